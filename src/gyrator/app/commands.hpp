@@ -1,0 +1,16 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace gyrator::app {
+
+// One function per command: adds it to the parser. When the command was given, its callback does
+// the work and sets the exit code (0 done, 1 the answer is no).
+void add_impedance_command(CLI::App& app, int& exit_code);
+void add_passivity_command(CLI::App& app, int& exit_code);
+void add_zwidth_command(CLI::App& app, int& exit_code);
+void add_simulate_command(CLI::App& app, int& exit_code);
+void add_report_command(CLI::App& app, int& exit_code);
+void add_schema_command(CLI::App& app, int& exit_code);
+
+}  // namespace gyrator::app

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "gyrator/core/quantity.hpp"
+#include "gyrator/core/rational.hpp"
+
+namespace gyrator::app {
+
+/// What every command that computes something offers.
+struct CommonOptions {
+  std::string model;
+  bool json = false;
+  std::string csv, svg, png, output;
+  bool quiet = false;
+  bool verbose = false;
+};
+
+/// Adds MODEL and the common options. `csv_help` says what the CSV file holds, `example` ends --help.
+void add_common_options(CLI::App& command, CommonOptions& options, const std::string& csv_help,
+                        const std::string& example);
+
+/// Fails before long work where an output could not be written as asked.
+void check_outputs(const CommonOptions& options);
+
+/// Plots, the result file, and on stdout `text` or, with --json, the result.
+void deliver(const CommonOptions& options, nlohmann::json result, const std::string& text);
+
+/// "1, 10, 2 kHz" as numbers in the expected unit; bare numbers are SI. Errors name the option.
+std::vector<double> parse_list(const std::string& option, const std::string& text, const Unit& unit);
+double parse_option(const std::string& option, const std::string& text, const Unit& unit);
+Rational parse_option_time(const std::string& option, const std::string& text);
+
+/// The command line as typed, kept in every result.
+void remember_command_line(int argc, char** argv);
+
+}  // namespace gyrator::app

@@ -1,0 +1,124 @@
+#include <cmath>
+#include <memory>
+
+#include <fmt/core.h>
+
+#include "commands.hpp"
+#include "common_options.hpp"
+#include "gyrator/studies/csv.hpp"
+#include "gyrator/studies/model_format.hpp"
+#include "gyrator/studies/results.hpp"
+
+namespace gyrator::app {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  bool simulate = false;
+  bool no_counterexample = false;
+};
+
+// Frequencies far below the slowest pole stand for the limit at zero.
+std::string describe_frequency(const nlohmann::json& hz) {
+  if (hz.is_null()) return "-";
+  return hz < 1e-3 ? "-> 0 Hz" : fmt::format("{:.4g} Hz", hz.get<double>());
+}
+
+std::string describe_limit(const nlohmann::json& stiffness, const Unit& unit) {
+  return stiffness.is_null() ? "-" : format_quantity(stiffness, unit);
+}
+
+std::string describe_operator(const nlohmann::json& found, const MotionUnits& units) {
+  std::string parts;
+  const auto add = [&](const std::string& part) { parts += (parts.empty() ? "" : " and ") + part; };
+  if (found["inertia"] > 0) {
+    add(fmt::format("{}{} of {}", found["stiffness"] > 0 ? "an " : "a plain ",
+                    units.inertia == dimension::mass ? "mass" : "inertia", format_quantity(found["inertia"], units.inertia)));
+  }
+  if (found["stiffness"] > 0) add(fmt::format("a spring of {}", format_quantity(found["stiffness"], units.stiffness)));
+  for (const auto& resonator : found["resonators"]) {
+    add(fmt::format("{} hung on a spring of {}", format_quantity(resonator["inertia"], units.inertia),
+                    format_quantity(resonator["stiffness"], units.stiffness)));
+  }
+  return parts.empty() ? "nothing at all (the free device)" : parts;
+}
+
+std::string describe(const Model& model, const nlohmann::json& result, bool verbose) {
+  const MotionUnits& units = units_of(model.device.motion);
+  const bool passive = result["verdict"] == "passive";
+  std::string text = fmt::format("{}: {}\n{}\n", model.name, passive ? "PASSIVE" : "NOT PASSIVE",
+                                 result["explanation"].get<std::string>());
+  if (result.contains("stiffness")) {
+    text += fmt::format("\nwall: K = {}, B = {}, T = {}, delay = {}\n", format_quantity(result["stiffness"], units.stiffness),
+                        format_quantity(result["virtual_damping"], units.damping),
+                        format_quantity(model.sampling.period.to_double(), dimension::time),
+                        format_quantity(model.sampling.delay.to_double(), dimension::time));
+  }
+  text += fmt::format("\n{:<20} {:<8} {:<6} {:>20} {:>12}  {}\n", "criterion", "applies", "holds", "margin", "worst at",
+                      "largest K");
+  for (const auto& c : result["criteria"]) {
+    text += fmt::format("{:<20} {:<8} {:<6} {:>20} {:>12}  {}\n", c["name"].get<std::string>(),
+                        c["applies"].get<bool>() ? "yes" : "no", c["holds"].get<bool>() ? "yes" : "no",
+                        c["margin"].is_null() ? "-" : format_quantity(c["margin"], units.damping),
+                        describe_frequency(c["worst_frequency_hz"]), describe_limit(c["max_stiffness"], units.stiffness));
+  }
+  for (const auto& c : result["criteria"]) {
+    if (!c["applies"].get<bool>() && (verbose || c["holds"].get<bool>() != passive)) {
+      text += fmt::format("\n{} does not apply: {}.", c["name"].get<std::string>(), c["reason"].get<std::string>());
+    }
+  }
+  text += "\n";
+  if (!passive) {
+    if (const auto& found = result["counterexample"]; !found.is_null()) {
+      text += fmt::format("\nCounterexample: {} in the operator's hand makes the loop diverge\n(spectral radius {:.8g}, {:.4g} Hz).",
+                          describe_operator(found, units), found["spectral_radius"].get<double>(),
+                          found["frequency_hz"].get<double>());
+      if (found.contains("simulation")) {
+        const auto& run = found["simulation"];
+        text += fmt::format(" Simulated for {:.4g} s: {}.", run["duration_s"].get<double>(),
+                            run["classification"].get<std::string>());
+      }
+      text += "\n";
+    } else if (result["device"]["passive"].get<bool>()) {
+      text += "\nNo single lossless operator was found that breaks the loop (the search is not exhaustive: close to the\n"
+              "Nyquist frequency only a razor-thin resonance would); the verdict stands on the disk.\n";
+    }
+    if (!result["extra_damping"].is_null()) {
+      text += fmt::format("Another {} of damping at the port would make it passive.\n",
+                          format_quantity(result["extra_damping"], units.damping));
+    }
+  }
+  return text;
+}
+
+void run(const Options& options, int& exit_code) {
+  check_outputs(options.common);
+  const Model model = load_model(options.common.model);
+  const nlohmann::json result =
+      make_passivity_result(model, {!options.no_counterexample, options.simulate});
+  if (!options.common.csv.empty()) {
+    const auto& curves = result["damping_over_frequency"];
+    const std::vector<std::string> names{"frequency_hz", "physical", "virtual", "total", "exact"};
+    std::vector<std::vector<double>> columns;
+    for (const auto& name : names) columns.push_back(curves[name]);
+    write_csv(options.common.csv, names, columns);
+  }
+  exit_code = result["verdict"] == "passive" ? 0 : 1;
+  deliver(options.common, result, describe(model, result, options.common.verbose));
+}
+
+}  // namespace
+
+void add_passivity_command(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "passivity", "Is the loop stable with every passive hand? Verdict, margins, and an operator that breaks it");
+  add_common_options(*command, options->common, "Write damping over frequency as columns",
+                     "gyrator passivity examples/rc_display.json --simulate-counterexample --png verdict.png\n\n"
+                     "Exit code 0: passive. 1: not passive.");
+  command->add_flag("--simulate-counterexample", options->simulate, "Also simulate the loop with that operator");
+  command->add_flag("--no-counterexample", options->no_counterexample, "Do not search for an operator");
+  command->callback([options, &exit_code] { run(*options, exit_code); });
+}
+
+}  // namespace gyrator::app

@@ -1,0 +1,89 @@
+#include <memory>
+
+#include <fmt/core.h>
+
+#include "commands.hpp"
+#include "common_options.hpp"
+#include "gyrator/core/error.hpp"
+#include "gyrator/studies/csv.hpp"
+#include "gyrator/studies/model_format.hpp"
+#include "gyrator/studies/results.hpp"
+
+namespace gyrator::app {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  std::string engine = "exact";
+  std::string duration, trace_step;
+  double tolerance = 1e-9;
+  long max_steps = 100000;
+};
+
+std::string describe_outcome(const nlohmann::json& result, const MotionUnits& units) {
+  const std::string outcome = result["classification"];
+  if (outcome == "settles") return "settles";
+  if (outcome == "diverges") {
+    return result["stopped_early"].get<bool>() ? "diverges (stopped: grew beyond all bounds)" : "diverges";
+  }
+  return fmt::format("oscillates on (limit cycle) at {:.4g} Hz, amplitude {}",
+                     result["oscillation"]["frequency_hz"].get<double>(),
+                     format_quantity(result["oscillation"]["amplitude"], units.position));
+}
+
+std::string describe(const Model& model, const nlohmann::json& result) {
+  const MotionUnits& units = units_of(model.device.motion);
+  const auto& e = result["energy"];
+  std::string text = fmt::format("{}: {}\n{} samples, {:g} s, engine {}\n\nenergy ledger [J]\n", model.name,
+                                 describe_outcome(result, units), result["steps"].get<long>(),
+                                 result["final_time_s"].get<double>(), result["engine"].get<std::string>());
+  const auto row = [&](const char* name, double value) { text += fmt::format("  {:<34}{:>14.6g}\n", name, value); };
+  row("stored at the start", e["stored_initially"]);
+  row("+ done by the operator", e["operator"]);
+  row("+ delivered by the amplifier", e["source"]);
+  row("- turned into heat", e["dissipated"]);
+  row("= stored at the end", e["stored"]);
+  row("not accounted for (residual)", e["residual"]);
+  return text;
+}
+
+void run(const Options& options) {
+  check_outputs(options.common);
+  SimulationRequest request;
+  request.engine = options.engine == "cvode"    ? EngineKind::cvode
+                   : options.engine == "odeint" ? EngineKind::odeint
+                                                : EngineKind::exact;
+  request.engine_options.relative_tolerance = options.tolerance;
+  request.engine_options.max_steps = options.max_steps;
+  if (!options.duration.empty()) request.duration = parse_option_time("--duration", options.duration);
+  if (!options.trace_step.empty()) request.trace_step = parse_option_time("--trace-step", options.trace_step);
+  const Model model = load_model(options.common.model);
+  const TimeRun simulated = run_simulation(model, request);
+  if (!options.common.csv.empty()) write_csv(options.common.csv, simulated.trace.names, simulated.trace.columns);
+  const nlohmann::json result = make_simulation_result(model, request, simulated);
+  deliver(options.common, result, describe(model, result));
+}
+
+}  // namespace
+
+void add_simulate_command(CLI::App& app, int&) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("simulate", "The motion: plant, sample and hold, controller; traces and energy ledger");
+  add_common_options(*command, options->common, "Write the trace, one row per sample instant",
+                     "gyrator simulate examples/rc_display.json --csv trace.csv --png trace.png");
+  command->add_option("--engine", options->engine, "exact (matrix exponentials), cvode (reference) or odeint")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"exact", "cvode", "odeint"}));
+  command->add_option("--duration", options->duration, "Simulated time instead of the model's")->type_name("TIME");
+  command->add_option("--trace-step", options->trace_step, "Also trace in between, such as 10us")->type_name("TIME");
+  command->add_option("--tolerance", options->tolerance, "Relative tolerance of cvode and odeint")
+      ->capture_default_str()
+      ->check(CLI::Range(1e-14, 1e-2));
+  command->add_option("--max-steps", options->max_steps, "Most integrator steps between two samples (cvode, odeint)")
+      ->capture_default_str()
+      ->check(CLI::Range(1L, 1000000000L));
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace gyrator::app

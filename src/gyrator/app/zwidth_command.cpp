@@ -1,0 +1,118 @@
+#include <memory>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "commands.hpp"
+#include "common_options.hpp"
+#include "gyrator/core/error.hpp"
+#include "gyrator/core/text.hpp"
+#include "gyrator/studies/csv.hpp"
+#include "gyrator/studies/model_format.hpp"
+#include "gyrator/studies/results.hpp"
+
+namespace gyrator::app {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  std::string damping, from, to;
+  int points = 61;
+  std::string criteria = "exact_disk,frequency_dependent,spring_damper";
+};
+
+std::vector<Criterion> parse_criteria(const std::string& text) {
+  std::vector<std::string> known;
+  for (const auto& c : criterion_names()) known.emplace_back(c.name);
+  std::vector<Criterion> criteria;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', at), text.size());
+    const std::string name = text.substr(at, comma - at);
+    at = comma + 1;
+    const auto found = std::find(known.begin(), known.end(), name);
+    if (found == known.end()) {
+      const auto nearest = find_nearest_name(name, known);
+      throw Error(ErrorCode::bad_input, "--criterion",
+                  fmt::format("\"{}\" is not known{}: there are {}", name,
+                              nearest ? fmt::format(", did you mean \"{}\"?", *nearest) : "", fmt::join(known, ", ")));
+    }
+    criteria.push_back(criterion_names()[static_cast<std::size_t>(found - known.begin())].criterion);
+  }
+  return criteria;
+}
+
+std::vector<double> choose_damping(const Options& options, const Model& model) {
+  const Unit& unit = units_of(model.device.motion).damping;
+  if (!options.damping.empty()) return parse_list("--damping", options.damping, unit);
+  if (options.from.empty() != options.to.empty()) {
+    throw Error(ErrorCode::bad_input, options.from.empty() ? "--to" : "--from", "--from and --to go together");
+  }
+  if (options.from.empty()) return choose_damping_range(model, options.points);
+  const double from = parse_option("--from", options.from, unit);
+  const double to = parse_option("--to", options.to, unit);
+  if (!(to > from)) throw Error(ErrorCode::bad_input, "--to", fmt::format("{:g}: must be above --from, {:g}", to, from));
+  std::vector<double> damping;
+  for (int i = 0; i < options.points; ++i) damping.push_back(from + (to - from) * i / (options.points - 1));
+  return damping;
+}
+
+std::string describe(const Model& model, const nlohmann::json& result) {
+  const MotionUnits& units = units_of(model.device.motion);
+  std::string text = fmt::format("{}: largest stiffness [{}] over virtual damping [{}]\n\n{:>14}", model.name,
+                                 units.stiffness.symbol, units.damping.symbol, "B");
+  for (const auto& b : result["boundaries"]) text += fmt::format("  {:>20}", b["criterion"].get<std::string>());
+  text += "\n";
+  const std::size_t rows = result["damping"].size();
+  const std::size_t stride = std::max<std::size_t>(1, (rows + 24) / 25);
+  for (std::size_t i = 0; i < rows; i += stride) {
+    text += fmt::format("{:14.6g}", result["damping"][i].get<double>());
+    for (const auto& b : result["boundaries"]) {
+      const auto& k = b["max_stiffness"][i];
+      const bool feasible = b["feasible"][i];
+      text += fmt::format("  {:>20}", !feasible ? "none" : k.is_null() ? "unbounded" : fmt::format("{:.6g}", k.get<double>()));
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+void run(const Options& options) {
+  check_outputs(options.common);
+  const auto criteria = parse_criteria(options.criteria);
+  const Model model = load_model(options.common.model);
+  const nlohmann::json result = make_zwidth_result(
+      model, {choose_damping(options, model), criteria, options.common.quiet || options.common.json});
+  if (!options.common.csv.empty()) {
+    std::vector<std::string> names{"damping"};
+    std::vector<std::vector<double>> columns{result["damping"]};
+    for (const auto& b : result["boundaries"]) {
+      names.push_back("max_stiffness_" + b["criterion"].get<std::string>());
+      std::vector<double> column;
+      for (const auto& k : b["max_stiffness"]) column.push_back(k.is_null() ? INFINITY : k.get<double>());
+      columns.push_back(std::move(column));
+    }
+    write_csv(options.common.csv, names, columns);
+  }
+  deliver(options.common, result, describe(model, result));
+}
+
+}  // namespace
+
+void add_zwidth_command(CLI::App& app, int&) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("zwidth", "Largest virtual stiffness over virtual damping, by one or more criteria");
+  std::string criteria_help = "Comma-separated:";
+  for (const auto& c : criterion_names()) criteria_help += fmt::format("\n  {}: {}", c.name, c.summary);
+  add_common_options(*command, options->common, "Write damping and the limits as columns",
+                     "gyrator zwidth examples/rc_display.json --damping 0,1e-4,1.5e-4 --criterion exact_disk");
+  command->add_option("--damping", options->damping, "Virtual dampings B, such as 0,0.1mN.m.s/rad")->type_name("LIST");
+  command->add_option("--from", options->from, "Lowest virtual damping of a range")->type_name("B");
+  command->add_option("--to", options->to, "Highest virtual damping of a range")->type_name("B");
+  command->add_option("--points", options->points, "Number of dampings in the range")
+      ->capture_default_str()
+      ->check(CLI::Range(2, 1000000));
+  command->add_option("--criterion", options->criteria, criteria_help)->capture_default_str()->type_name("LIST");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace gyrator::app

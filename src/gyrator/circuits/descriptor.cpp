@@ -1,0 +1,204 @@
+#include "gyrator/circuits/descriptor.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <fmt/core.h>
+
+#include "gyrator/core/error.hpp"
+
+namespace gyrator {
+namespace {
+
+template <class... Ts>
+struct Overloaded : Ts... {
+  using Ts::operator()...;
+};
+
+bool has_branch_unknown(const ElementLaw& law) {
+  return std::holds_alternative<Inductor>(law) || std::holds_alternative<VoltageSource>(law) ||
+         std::holds_alternative<VoltageControlledVoltageSource>(law) ||
+         std::holds_alternative<CurrentControlledVoltageSource>(law) || std::holds_alternative<Transformer>(law);
+}
+
+}  // namespace
+
+NetworkEquations::NetworkEquations(const Network& network) : network_(network) {
+  const auto& elements = network_.elements();
+  const auto& nodes = network_.nodes();
+  int size = static_cast<int>(nodes.size()) - 1;
+  for (const auto& element : elements) branch_.push_back(has_branch_unknown(element.law) ? size++ : -1);
+
+  auto& d = descriptor_;
+  d.E = Eigen::MatrixXd::Zero(size, size);
+  d.A = Eigen::MatrixXd::Zero(size, size);
+  d.B = Eigen::MatrixXd::Zero(size, static_cast<Eigen::Index>(network_.inputs().size()));
+  d.unknown_names.resize(static_cast<std::size_t>(size));
+  d.equation_elements.resize(static_cast<std::size_t>(size));
+  for (int node = 1; node < static_cast<int>(nodes.size()); ++node) {
+    const auto row = static_cast<std::size_t>(node - 1);
+    d.unknown_names[row] = nodes[static_cast<std::size_t>(node)].name;
+    d.equation_elements[row] = network_.elements_at({node});
+  }
+  for (int e = 0; e < static_cast<int>(elements.size()); ++e) {
+    const int branch = branch_of({e});
+    if (branch >= 0) {
+      d.unknown_names[static_cast<std::size_t>(branch)] = elements[static_cast<std::size_t>(e)].name;
+      d.equation_elements[static_cast<std::size_t>(branch)] = {elements[static_cast<std::size_t>(e)].name};
+    }
+    stamp({e});
+  }
+}
+
+// A through quantity `factor * x[column]` leaves `positive` and enters `negative`. Kirchhoff's
+// rows sum what leaves a node to zero, so that it stands on the right-hand side with a minus.
+void NetworkEquations::stamp_flow(NodeId positive, NodeId negative, int column, double factor) {
+  if (positive != ground) descriptor_.A(positive.index - 1, column) -= factor;
+  if (negative != ground) descriptor_.A(negative.index - 1, column) += factor;
+}
+
+void NetworkEquations::stamp_across(int row, NodeId positive, NodeId negative, double factor) {
+  if (positive != ground) descriptor_.A(row, positive.index - 1) += factor;
+  if (negative != ground) descriptor_.A(row, negative.index - 1) -= factor;
+}
+
+void NetworkEquations::stamp(ElementId id) {
+  const Element& element = network_.element(id);
+  const NodeId p = element.positive;
+  const NodeId n = element.negative;
+  const int branch = branch_of(id);
+  auto& d = descriptor_;
+
+  // i = g (v_a - v_b) through the element
+  const auto stamp_transconductance = [&](NodeId from, NodeId to, NodeId a, NodeId b, double g) {
+    if (a != ground) stamp_flow(from, to, a.index - 1, g);
+    if (b != ground) stamp_flow(from, to, b.index - 1, -g);
+  };
+  const auto control_branch = [&](ElementId control) {
+    const int column = branch_of(control);
+    if (column < 0) {
+      throw Error(ErrorCode::bad_input, element.name,
+                  fmt::format("controlled by the current of {}: only a source, an inductor or a transformer "
+                              "can be sensed; put an ammeter in series",
+                              network_.element(control).name));
+    }
+    return column;
+  };
+
+  std::visit(Overloaded{
+                 [&](const Resistor& e) { stamp_transconductance(p, n, p, n, 1 / e.resistance); },
+                 [&](const Conductance& e) { stamp_transconductance(p, n, p, n, e.conductance); },
+                 [&](const Inductor& e) {
+                   stamp_flow(p, n, branch, 1);
+                   d.E(branch, branch) = e.inductance;  // L di/dt = v_p - v_n
+                   stamp_across(branch, p, n, 1);
+                 },
+                 [&](const Capacitor& e) {  // C d(v_p - v_n)/dt leaves p and enters n
+                   const auto add = [&](NodeId row, NodeId column, double c) {
+                     if (row != ground && column != ground) d.E(row.index - 1, column.index - 1) += c;
+                   };
+                   add(p, p, e.capacitance);
+                   add(n, n, e.capacitance);
+                   add(p, n, -e.capacitance);
+                   add(n, p, -e.capacitance);
+                 },
+                 [&](const VoltageSource& e) {  // 0 = v_p - v_n - u
+                   stamp_flow(p, n, branch, 1);
+                   stamp_across(branch, p, n, 1);
+                   if (e.input) d.B(branch, *e.input) = -1;
+                 },
+                 [&](const CurrentSource& e) {
+                   if (p != ground) d.B(p.index - 1, e.input) -= 1;
+                   if (n != ground) d.B(n.index - 1, e.input) += 1;
+                 },
+                 [&](const VoltageControlledVoltageSource& e) {
+                   stamp_flow(p, n, branch, 1);
+                   stamp_across(branch, p, n, 1);
+                   stamp_across(branch, e.control_positive, e.control_negative, -e.gain);
+                 },
+                 [&](const VoltageControlledCurrentSource& e) {
+                   stamp_transconductance(p, n, e.control_positive, e.control_negative, e.transconductance);
+                 },
+                 [&](const CurrentControlledVoltageSource& e) {
+                   stamp_flow(p, n, branch, 1);
+                   stamp_across(branch, p, n, 1);
+                   d.A(branch, control_branch(e.control)) -= e.transresistance;
+                 },
+                 [&](const CurrentControlledCurrentSource& e) {
+                   stamp_flow(p, n, control_branch(e.control), e.gain);
+                 },
+                 [&](const Transformer& e) {  // 0 = v - n v_2,  i_2 = -n i
+                   stamp_flow(p, n, branch, 1);
+                   stamp_flow(e.second_positive, e.second_negative, branch, -e.ratio);
+                   stamp_across(branch, p, n, 1);
+                   stamp_across(branch, e.second_positive, e.second_negative, -e.ratio);
+                 },
+                 [&](const Gyrator& e) {
+                   stamp_transconductance(p, n, e.second_positive, e.second_negative, e.transconductance);
+                   stamp_transconductance(e.second_positive, e.second_negative, p, n, -e.transconductance);
+                 },
+             },
+             element.law);
+}
+
+LinearForm NetworkEquations::across(NodeId positive, NodeId negative) const {
+  LinearForm form{Eigen::RowVectorXd::Zero(descriptor_.size()), Eigen::RowVectorXd::Zero(descriptor_.B.cols())};
+  if (positive != ground) form.x(positive.index - 1) += 1;
+  if (negative != ground) form.x(negative.index - 1) -= 1;
+  return form;
+}
+
+LinearForm NetworkEquations::across(ElementId element) const {
+  return across(network_.element(element).positive, network_.element(element).negative);
+}
+
+LinearForm NetworkEquations::through(ElementId id) const {
+  const Element& element = network_.element(id);
+  LinearForm form = across(ground);
+  if (branch_of(id) >= 0) {
+    form.x(branch_of(id)) = 1;
+    return form;
+  }
+  std::visit(Overloaded{
+                 [&](const Resistor& e) { form.x = across(id).x / e.resistance; },
+                 [&](const Conductance& e) { form.x = across(id).x * e.conductance; },
+                 [&](const CurrentSource& e) { form.u(e.input) = 1; },
+                 [&](const VoltageControlledCurrentSource& e) {
+                   form.x = across(e.control_positive, e.control_negative).x * e.transconductance;
+                 },
+                 [&](const CurrentControlledCurrentSource& e) { form.x(branch_of(e.control)) = e.gain; },
+                 [&](const Gyrator& e) {
+                   form.x = across(e.second_positive, e.second_negative).x * e.transconductance;
+                 },
+                 [&](const auto&) {
+                   throw Error(ErrorCode::bad_input, element.name,
+                               "the current of a capacitor is the derivative of an unknown: put an ammeter in series");
+                 },
+             },
+             element.law);
+  return form;
+}
+
+Eigen::MatrixXcd solve_descriptor(const Descriptor& descriptor, std::complex<double> s) {
+  const Eigen::MatrixXcd pencil = s * descriptor.E.cast<std::complex<double>>() - descriptor.A;
+  const Eigen::MatrixXcd solution = pencil.partialPivLu().solve(descriptor.B.cast<std::complex<double>>());
+  if (!solution.allFinite()) {
+    throw Error(ErrorCode::numerical, "network",
+                fmt::format("the equations are singular at s = {:g}{:+g}j rad/s", s.real(), s.imag()));
+  }
+  return solution;
+}
+
+Eigen::MatrixXd solve_steady_state(const Descriptor& descriptor) {
+  const Eigen::FullPivLU<Eigen::MatrixXd> lu(descriptor.A);
+  Eigen::MatrixXd x = lu.solve(-descriptor.B);
+  for (Eigen::Index input = 0; input < x.cols(); ++input) {
+    const double residual = (descriptor.A * x.col(input) + descriptor.B.col(input)).norm();
+    if (!(residual <= 1e-9 * descriptor.B.col(input).norm())) {
+      x.col(input).setConstant(std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+  return x;
+}
+
+}  // namespace gyrator

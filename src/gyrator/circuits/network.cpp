@@ -1,0 +1,105 @@
+#include "gyrator/circuits/network.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#include <fmt/core.h>
+
+#include "gyrator/core/error.hpp"
+
+namespace gyrator {
+namespace {
+
+template <class... Ts>
+struct Overloaded : Ts... {
+  using Ts::operator()...;
+};
+
+void check_positive(const std::string& element, const char* quantity, const char* unit, double value) {
+  if (std::isfinite(value) && value > 0) return;
+  throw Error(ErrorCode::bad_input, element,
+              fmt::format("{} of {:g} {}: must be positive and finite", quantity, value, unit));
+}
+
+void check_finite(const std::string& element, const char* quantity, double value) {
+  if (std::isfinite(value)) return;
+  throw Error(ErrorCode::bad_input, element, fmt::format("{} of {:g}: must be finite", quantity, value));
+}
+
+}  // namespace
+
+Network::Network() { nodes_.push_back({"ground", Domain::electrical}); }
+
+NodeId Network::add_node(std::string name, Domain domain) {
+  nodes_.push_back({std::move(name), domain});
+  return {static_cast<int>(nodes_.size()) - 1};
+}
+
+int Network::add_input(std::string name) {
+  inputs_.push_back(std::move(name));
+  return static_cast<int>(inputs_.size()) - 1;
+}
+
+void Network::check_node(const std::string& element, NodeId node) const {
+  if (node.index >= 0 && node.index < static_cast<int>(nodes_.size())) return;
+  throw Error(ErrorCode::bad_input, element, fmt::format("node {} does not exist in the network", node.index));
+}
+
+ElementId Network::add(std::string name, NodeId positive, NodeId negative, ElementLaw law, Role role) {
+  check_node(name, positive);
+  check_node(name, negative);
+  if (find_element(name)) {
+    throw Error(ErrorCode::bad_input, name, "an element of this name exists already: names are unique");
+  }
+  std::visit(Overloaded{
+                 [&](const Resistor& e) { check_positive(name, "resistance", "ohm", e.resistance); },
+                 [&](const Conductance& e) { check_positive(name, "conductance", "S", e.conductance); },
+                 [&](const Inductor& e) { check_positive(name, "inductance", "H", e.inductance); },
+                 [&](const Capacitor& e) { check_positive(name, "capacitance", "F", e.capacitance); },
+                 [&](const VoltageSource&) {},
+                 [&](const CurrentSource&) {},
+                 [&](const VoltageControlledVoltageSource& e) { check_finite(name, "gain", e.gain); },
+                 [&](const VoltageControlledCurrentSource& e) {
+                   check_finite(name, "transconductance", e.transconductance);
+                 },
+                 [&](const CurrentControlledVoltageSource& e) {
+                   check_finite(name, "transresistance", e.transresistance);
+                 },
+                 [&](const CurrentControlledCurrentSource& e) { check_finite(name, "gain", e.gain); },
+                 [&](const Transformer& e) { check_finite(name, "ratio", e.ratio); },
+                 [&](const Gyrator& e) { check_finite(name, "transconductance", e.transconductance); },
+             },
+             law);
+  elements_.push_back({std::move(name), role, positive, negative, law});
+  return {static_cast<int>(elements_.size()) - 1};
+}
+
+std::optional<ElementId> Network::find_element(std::string_view name) const {
+  const auto it = std::find_if(elements_.begin(), elements_.end(), [&](const Element& e) { return e.name == name; });
+  if (it == elements_.end()) return std::nullopt;
+  return ElementId{static_cast<int>(it - elements_.begin())};
+}
+
+std::optional<NodeId> Network::find_node(std::string_view name) const {
+  const auto it = std::find_if(nodes_.begin(), nodes_.end(), [&](const NodeInfo& n) { return n.name == name; });
+  if (it == nodes_.end()) return std::nullopt;
+  return NodeId{static_cast<int>(it - nodes_.begin())};
+}
+
+std::vector<std::string> Network::elements_at(NodeId node) const {
+  std::vector<std::string> names;
+  for (const auto& element : elements_) {
+    bool touches = element.positive == node || element.negative == node;
+    if (const auto* t = std::get_if<Transformer>(&element.law)) {
+      touches = touches || t->second_positive == node || t->second_negative == node;
+    }
+    if (const auto* g = std::get_if<Gyrator>(&element.law)) {
+      touches = touches || g->second_positive == node || g->second_negative == node;
+    }
+    if (touches) names.push_back(element.name);
+  }
+  return names;
+}
+
+}  // namespace gyrator

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "gyrator/core/rational.hpp"
+
+namespace gyrator {
+
+/// The sampled side's clock. Both are exact [s].
+///
+/// At tick k the sensor is read at t_k = k * period; the command computed from it takes effect
+/// at t_k + delay, which may be any length, fractions of a period included.
+struct Sampling {
+  Rational period{1, 1000};
+  Rational delay{0};
+};
+
+}  // namespace gyrator

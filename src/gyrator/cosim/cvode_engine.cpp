@@ -1,0 +1,223 @@
+#include <cmath>
+#include <exception>
+#include <utility>
+#include <array>
+#include <memory>
+#include <vector>
+
+#include <cvode/cvode.h>
+#include <fmt/core.h>
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_context.hpp>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
+#include "gyrator/circuits/state_space.hpp"
+#include "gyrator/core/error.hpp"
+#include "gyrator/cosim/engine.hpp"
+
+namespace gyrator {
+namespace {
+
+// A segment is stiff when its fastest mode has died out many times over before it ends. Then
+// BDF with Newton; otherwise Adams with fixed-point iteration, whose cost is the accuracy's.
+constexpr double stiff_ratio = 40;
+
+struct CvodeFree {
+  void operator()(void* memory) const { CVodeFree(&memory); }
+};
+struct VectorFree {
+  void operator()(N_Vector v) const { N_VDestroy(v); }
+};
+struct MatrixFree {
+  void operator()(SUNMatrix m) const { SUNMatDestroy(m); }
+};
+struct LinearSolverFree {
+  void operator()(SUNLinearSolver s) const { SUNLinSolFree(s); }
+};
+struct NonlinearSolverFree {
+  void operator()(SUNNonlinearSolver s) const { SUNNonlinSolFree(s); }
+};
+using CvodeMemory = std::unique_ptr<void, CvodeFree>;
+using Vector = std::unique_ptr<std::remove_pointer_t<N_Vector>, VectorFree>;
+using Matrix = std::unique_ptr<std::remove_pointer_t<SUNMatrix>, MatrixFree>;
+using LinearSolver = std::unique_ptr<std::remove_pointer_t<SUNLinearSolver>, LinearSolverFree>;
+using NonlinearSolver = std::unique_ptr<std::remove_pointer_t<SUNNonlinearSolver>, NonlinearSolverFree>;
+
+// SUNDIALS CVODE over y = [ξ; operator work; source work; heat]: the energies are integrated with
+// the motion and under the same error control. Restarted at every edge of the hold, never
+// stepping over one.
+class CvodeEngine final : public Engine {
+ public:
+  CvodeEngine(const Plant& plant, const EngineOptions& options)
+      : plant_(plant), options_(options), n_(plant.states()), size_(plant.states() + 3), z_(plant.states() + 2) {
+    forms_[0] = plant.energy.operator_work;
+    forms_[1] = plant.energy.source;
+    forms_[2] = plant.energy.dissipated;
+    const Eigen::VectorXcd poles = compute_poles(plant.A);
+    fastest_ = poles.size() > 0 ? poles.cwiseAbs().maxCoeff() : 0;
+    weights_ = Eigen::VectorXd::Zero(size_);
+    y_.reset(N_VNew_Serial(size_, context_));
+  }
+
+  int prepare(double interval) override {
+    intervals_.push_back(interval);
+    longest_ = std::max(longest_, interval);
+    return static_cast<int>(intervals_.size()) - 1;
+  }
+
+  void advance(int segment, double time, const Eigen::Vector2d& u, PlantState& state) override {
+    const double interval = intervals_[static_cast<std::size_t>(segment)];
+    if (interval <= 0) return;
+    if (!memory_) set_up();
+    set_weights(state);
+    z_.tail(2) = u;
+    double* y = N_VGetArrayPointer(y_.get());
+    for (Eigen::Index i = 0; i < n_; ++i) y[i] = state.xi(i);
+    for (Eigen::Index i = n_; i < size_; ++i) y[i] = 0;
+
+    check(CVodeReInit(memory_.get(), 0.0, y_.get()), "CVodeReInit", time);
+    check(CVodeSetStopTime(memory_.get(), interval), "CVodeSetStopTime", time);
+    double reached = 0;
+    const int flag = CVode(memory_.get(), interval, y_.get(), &reached, CV_NORMAL);
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+    check(flag, "CVode", time + reached);
+    for (Eigen::Index i = 0; i < n_; ++i) state.xi(i) = y[i];
+    state.operator_work += y[n_];
+    state.source_work += y[n_ + 1];
+    state.dissipated += y[n_ + 2];
+  }
+
+ private:
+  void set_up() {
+    const bool stiff = fastest_ * longest_ > stiff_ratio;
+    memory_.reset(CVodeCreate(stiff ? CV_BDF : CV_ADAMS, context_));
+    check(CVodeInit(memory_.get(), right_hand_side, 0.0, y_.get()), "CVodeInit", 0);
+    check(CVodeSetUserData(memory_.get(), this), "CVodeSetUserData", 0);
+    check(CVodeWFtolerances(memory_.get(), error_weights), "CVodeWFtolerances", 0);
+    check(CVodeSetMaxNumSteps(memory_.get(), options_.max_steps), "CVodeSetMaxNumSteps", 0);
+    check(CVodeSetErrHandlerFn(memory_.get(), keep_message, this), "CVodeSetErrHandlerFn", 0);
+    if (stiff) {
+      matrix_.reset(SUNDenseMatrix(size_, size_, context_));
+      linear_solver_.reset(SUNLinSol_Dense(y_.get(), matrix_.get(), context_));
+      check(CVodeSetLinearSolver(memory_.get(), linear_solver_.get(), matrix_.get()), "CVodeSetLinearSolver", 0);
+      check(CVodeSetJacFn(memory_.get(), jacobian), "CVodeSetJacFn", 0);
+    } else {
+      nonlinear_solver_.reset(SUNNonlinSol_FixedPoint(y_.get(), 0, context_));
+      check(CVodeSetNonlinearSolver(memory_.get(), nonlinear_solver_.get()), "CVodeSetNonlinearSolver", 0);
+    }
+  }
+
+  // The error is measured against the largest size each quantity has had so far, not against its
+  // momentary value: a current that passes through zero is not followed to nothing.
+  void set_weights(const PlantState& state) {
+    z_.head(n_) = state.xi;
+    z_.tail(2).setZero();
+    const double energy = z_.dot(plant_.energy.stored * z_);
+    if (scales_.size() == 0 || energy > energy_scale_) {
+      energy_scale_ = energy > 0 ? energy : energy_scale_ > 0 ? energy_scale_ : 1;
+      scales_ = compute_state_scales(plant_, energy_scale_, longest_);
+    }
+    for (Eigen::Index i = 0; i < size_; ++i) {
+      const double scale = i < n_ ? scales_(i) : energy_scale_;
+      weights_(i) = 1 / (options_.relative_tolerance * scale);
+    }
+  }
+
+  void check(int flag, const char* function, double time) const {
+    if (flag >= 0) return;
+    throw Error(ErrorCode::numerical, fmt::format("t = {:.9g} s", time),
+                fmt::format("the cvode engine gave up ({} returned {}{}{}); use the exact engine, or raise "
+                            "--max-steps or the tolerance",
+                            function, CVodeGetReturnFlagName(flag), message_.empty() ? "" : ": ", message_));
+  }
+
+  // C callbacks. Nothing is thrown through SUNDIALS: an exception is kept and rethrown after.
+  static int right_hand_side(double /*t*/, N_Vector y, N_Vector ydot, void* self_pointer) {
+    auto& self = *static_cast<CvodeEngine*>(self_pointer);
+    try {
+      const double* state = N_VGetArrayPointer(y);
+      double* rate = N_VGetArrayPointer(ydot);
+      const Eigen::Index n = self.n_;
+      double* z = self.z_.data();
+      for (Eigen::Index i = 0; i < n; ++i) z[i] = state[i];
+      const double* a = self.plant_.A.data();
+      const double* b = self.plant_.B.data();
+      for (Eigen::Index i = 0; i < n; ++i) rate[i] = b[i] * z[n] + b[n + i] * z[n + 1];
+      for (Eigen::Index j = 0; j < n; ++j, a += n) {
+        for (Eigen::Index i = 0; i < n; ++i) rate[i] += a[i] * z[j];
+      }
+      for (std::size_t f = 0; f < 3; ++f) {
+        double power = 0;
+        if (self.options_.ledger) {
+          const double* q = self.forms_[f].data();
+          for (Eigen::Index j = 0; j < n + 2; ++j, q += n + 2) {
+            double sum = 0;
+            for (Eigen::Index i = 0; i < n + 2; ++i) sum += q[i] * z[i];
+            power += sum * z[j];
+          }
+        }
+        rate[n + static_cast<Eigen::Index>(f)] = power;
+      }
+      return 0;
+    } catch (...) {
+      self.failure_ = std::current_exception();
+      return -1;
+    }
+  }
+
+  static int jacobian(double /*t*/, N_Vector y, N_Vector /*fy*/, SUNMatrix J, void* self_pointer, N_Vector, N_Vector,
+                      N_Vector) {
+    auto& self = *static_cast<CvodeEngine*>(self_pointer);
+    const Eigen::Index n = self.n_;
+    const Eigen::Map<const Eigen::VectorXd> state(N_VGetArrayPointer(y), n);
+    self.z_.head(n) = state;
+    Eigen::Map<Eigen::MatrixXd> out(SUNDenseMatrix_Data(J), self.size_, self.size_);
+    out.setZero();
+    out.topLeftCorner(n, n) = self.plant_.A;
+    if (self.options_.ledger) {
+      for (std::size_t f = 0; f < 3; ++f) {
+        out.row(n + static_cast<Eigen::Index>(f)).head(n) = 2 * (self.forms_[f] * self.z_).head(n).transpose();
+      }
+    }
+    return 0;
+  }
+
+  static int error_weights(N_Vector /*y*/, N_Vector weights, void* self_pointer) {
+    const auto& self = *static_cast<CvodeEngine*>(self_pointer);
+    double* w = N_VGetArrayPointer(weights);
+    for (Eigen::Index i = 0; i < self.size_; ++i) w[i] = self.weights_(i);
+    return 0;
+  }
+
+  static void keep_message(int code, const char* /*module*/, const char* /*function*/, char* message, void* self) {
+    if (code < 0) static_cast<CvodeEngine*>(self)->message_ = message;
+  }
+
+  const Plant plant_;
+  EngineOptions options_;
+  Eigen::Index n_, size_;
+  std::array<Eigen::MatrixXd, 3> forms_;
+  Eigen::VectorXd z_, weights_, scales_;
+  double energy_scale_ = 0;
+  double fastest_ = 0;
+  double longest_ = 0;
+  std::vector<double> intervals_;
+  std::exception_ptr failure_;
+  std::string message_;
+  sundials::Context context_;
+  Vector y_;
+  Matrix matrix_;
+  LinearSolver linear_solver_;
+  NonlinearSolver nonlinear_solver_;
+  CvodeMemory memory_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_cvode_engine(const Plant& plant, const EngineOptions& options) {
+  return std::make_unique<CvodeEngine>(plant, options);
+}
+
+}  // namespace gyrator

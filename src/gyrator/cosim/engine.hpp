@@ -1,0 +1,60 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include <Eigen/Dense>
+
+#include "gyrator/mechanics/plant.hpp"
+
+namespace gyrator {
+
+/// The plant while it runs: state and the energies that have flowed since t = 0 [J].
+struct PlantState {
+  Eigen::VectorXd xi;
+  double operator_work = 0;  ///< done by the operator on the device
+  double source_work = 0;    ///< delivered by amplifier and sources
+  double dissipated = 0;     ///< heat
+};
+
+/// What moves the plant through a segment of constant input. Three of them, one contract:
+/// `exact` (matrix exponentials), `cvode` (SUNDIALS, the reference), `odeint` (cross-check).
+///
+/// Order of calls: prepare() once for every segment length that will occur, then advance() any
+/// number of times. advance() allocates nothing.
+class Engine {
+ public:
+  Engine() = default;
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+  virtual ~Engine() = default;
+
+  /// Announces a segment length [s]; returns its number for advance().
+  virtual int prepare(double interval) = 0;
+
+  /// Moves the state through the segment under u = [command; external effort], and books the
+  /// energies if the engine was made with a ledger. `time` [s] is the segment's start, for
+  /// messages. Throws numerical (with the time) where an integrator gives up.
+  virtual void advance(int segment, double time, const Eigen::Vector2d& u, PlantState& state) = 0;
+};
+
+enum class EngineKind { exact, cvode, odeint };
+
+struct EngineOptions {
+  bool ledger = true;
+  double relative_tolerance = 1e-9;  ///< of cvode and odeint
+  long max_steps = 100000;           ///< of cvode and odeint, per segment
+};
+
+std::unique_ptr<Engine> make_engine(EngineKind kind, const Plant& plant, const EngineOptions& options);
+
+std::unique_ptr<Engine> make_exact_engine(const Plant& plant, const EngineOptions& options);
+std::unique_ptr<Engine> make_cvode_engine(const Plant& plant, const EngineOptions& options);
+std::unique_ptr<Engine> make_odeint_engine(const Plant& plant, const EngineOptions& options);
+
+/// Typical size of each state, from which integrators that need an absolute tolerance take it:
+/// what the state would be if it held the energy `energy` alone, or the distance covered in
+/// `interval` for a position.
+Eigen::VectorXd compute_state_scales(const Plant& plant, double energy, double interval);
+
+}  // namespace gyrator

@@ -1,0 +1,103 @@
+#include <vector>
+
+#include "gyrator/circuits/state_space.hpp"
+#include "gyrator/cosim/engine.hpp"
+
+namespace gyrator {
+namespace {
+
+// Each segment is one matrix on z = [ξ; u], and each energy one quadratic form of z: nothing is
+// approximated but the rounding of the exponentials.
+class ExactEngine final : public Engine {
+ public:
+  ExactEngine(const Plant& plant, const EngineOptions& options)
+      : plant_(plant), ledger_(options.ledger), n_(plant.states()), z_(plant.states() + 2), next_(plant.states()) {}
+
+  int prepare(double interval) override {
+    for (std::size_t i = 0; i < segments_.size(); ++i) {
+      if (segments_[i].interval == interval) return static_cast<int>(i);
+    }
+    const HeldStep step = discretize_held(plant_.A, plant_.B, interval);
+    Segment segment{interval, Eigen::MatrixXd(n_, n_ + 2), {}};
+    segment.propagate << step.phi, step.gamma;
+    if (ledger_) {
+      const Eigen::Index size = n_ + 2;
+      const auto& e = plant_.energy;
+      segment.energies.resize(3, size * (size + 1) / 2);
+      int row = 0;
+      for (const auto* form : {&e.operator_work, &e.source, &e.dissipated}) {
+        segment.energies.row(row++) = pack(integrate_quadratic_form(plant_.A, plant_.B, *form, interval));
+      }
+    }
+    segments_.push_back(std::move(segment));
+    return static_cast<int>(segments_.size()) - 1;
+  }
+
+  void advance(int number, double /*time*/, const Eigen::Vector2d& u, PlantState& state) override {
+    const Segment& segment = segments_[static_cast<std::size_t>(number)];
+    const Eigen::Index size = n_ + 2;
+    double* z = z_.data();
+    for (Eigen::Index i = 0; i < n_; ++i) z[i] = state.xi(i);
+    z[n_] = u(0);
+    z[n_ + 1] = u(1);
+    if (ledger_) book(segment, z, size, state);
+
+    double* next = state.xi.data();
+    const double* column = segment.propagate.data();
+    for (Eigen::Index i = 0; i < n_; ++i) next[i] = column[i] * z[0];
+    for (Eigen::Index j = 1; j < size; ++j) {
+      column += n_;
+      const double zj = z[j];
+      for (Eigen::Index i = 0; i < n_; ++i) next[i] += column[i] * zj;
+    }
+  }
+
+ private:
+  struct Segment {
+    double interval;
+    Eigen::MatrixXd propagate;                  // [phi gamma]
+    Eigen::Matrix<double, 3, Eigen::Dynamic> energies;  // packed upper triangles
+  };
+
+  // Upper triangle row by row, off-diagonal entries doubled, so that z'Wz = sum of w_ij z_i z_j.
+  static Eigen::RowVectorXd pack(const Eigen::MatrixXd& form) {
+    Eigen::RowVectorXd packed(form.rows() * (form.rows() + 1) / 2);
+    Eigen::Index at = 0;
+    for (Eigen::Index i = 0; i < form.rows(); ++i) {
+      for (Eigen::Index j = i; j < form.cols(); ++j) packed(at++) = i == j ? form(i, i) : form(i, j) + form(j, i);
+    }
+    return packed;
+  }
+
+  static void book(const Segment& segment, const double* z, Eigen::Index size, PlantState& state) {
+    const double* w = segment.energies.data();
+    double operator_work = 0;
+    double source = 0;
+    double dissipated = 0;
+    for (Eigen::Index i = 0; i < size; ++i) {
+      for (Eigen::Index j = i; j < size; ++j, w += 3) {
+        const double product = z[i] * z[j];
+        operator_work += w[0] * product;
+        source += w[1] * product;
+        dissipated += w[2] * product;
+      }
+    }
+    state.operator_work += operator_work;
+    state.source_work += source;
+    state.dissipated += dissipated;
+  }
+
+  const Plant plant_;
+  bool ledger_;
+  Eigen::Index n_;
+  Eigen::VectorXd z_, next_;
+  std::vector<Segment> segments_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_exact_engine(const Plant& plant, const EngineOptions& options) {
+  return std::make_unique<ExactEngine>(plant, options);
+}
+
+}  // namespace gyrator

@@ -1,0 +1,99 @@
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <boost/numeric/odeint.hpp>
+#include <fmt/core.h>
+
+#include "gyrator/core/error.hpp"
+#include "gyrator/cosim/engine.hpp"
+
+namespace gyrator {
+namespace {
+
+namespace odeint = boost::numeric::odeint;
+
+// Runge–Kutta–Fehlberg 7(8) with step control: one-step, so it starts afresh at each hold edge at
+// full order, and shares nothing with the other two engines but the equations.
+class OdeintEngine final : public Engine {
+ public:
+  OdeintEngine(const Plant& plant, const EngineOptions& options)
+      : plant_(plant), options_(options), n_(static_cast<std::size_t>(plant.states())), y_(n_ + 3) {}
+
+  int prepare(double interval) override {
+    intervals_.push_back(interval);
+    return static_cast<int>(intervals_.size()) - 1;
+  }
+
+  void advance(int segment, double time, const Eigen::Vector2d& u, PlantState& state) override {
+    const double interval = intervals_[static_cast<std::size_t>(segment)];
+    if (interval <= 0) return;
+    set_scales(interval, state);
+    for (std::size_t i = 0; i < n_; ++i) y_[i] = state.xi(static_cast<Eigen::Index>(i)) / scales_(static_cast<Eigen::Index>(i));
+    for (std::size_t i = 0; i < 3; ++i) y_[n_ + i] = 0;
+
+    const auto rhs = [&](const std::vector<double>& y, std::vector<double>& dydt, double /*t*/) {
+      const Eigen::Index n = plant_.states();
+      z_.head(n) = Eigen::Map<const Eigen::VectorXd>(y.data(), n).cwiseProduct(scales_);
+      z_.tail(2) = u;
+      rate_.noalias() = plant_.A * z_.head(n) + plant_.B * u;
+      Eigen::Map<Eigen::VectorXd>(dydt.data(), n) = rate_.cwiseQuotient(scales_);
+      const auto& e = plant_.energy;
+      dydt[n_] = options_.ledger ? z_.dot(e.operator_work * z_) / energy_scale_ : 0;
+      dydt[n_ + 1] = options_.ledger ? z_.dot(e.source * z_) / energy_scale_ : 0;
+      dydt[n_ + 2] = options_.ledger ? z_.dot(e.dissipated * z_) / energy_scale_ : 0;
+    };
+    auto stepper = odeint::make_controlled<odeint::runge_kutta_fehlberg78<std::vector<double>>>(
+        options_.relative_tolerance * 1e-3, options_.relative_tolerance);
+    double t = 0;
+    double h = interval;
+    for (long steps = 0; t < interval; ++steps) {
+      if (steps >= options_.max_steps) give_up(time + t, "too many steps", steps);
+      h = std::min(h, interval - t);
+      const double before = t;
+      if (stepper.try_step(rhs, y_, t, h) == odeint::success && t == before) give_up(time + t, "step underflow", steps);
+      if (!(h > interval * 1e-14)) {
+        if (interval - t <= interval * 1e-14) break;
+        give_up(time + t, "step underflow", steps);
+      }
+    }
+    for (std::size_t i = 0; i < n_; ++i) state.xi(static_cast<Eigen::Index>(i)) = y_[i] * scales_(static_cast<Eigen::Index>(i));
+    state.operator_work += y_[n_] * energy_scale_;
+    state.source_work += y_[n_ + 1] * energy_scale_;
+    state.dissipated += y_[n_ + 2] * energy_scale_;
+  }
+
+ private:
+  [[noreturn]] static void give_up(double time, const char* why, long steps) {
+    throw Error(ErrorCode::numerical, fmt::format("t = {:.9g} s", time),
+                fmt::format("the odeint engine gave up after {} steps in one segment: {}; use the exact or cvode "
+                            "engine, or raise --max-steps",
+                            steps, why));
+  }
+
+  void set_scales(double interval, const PlantState& state) {
+    Eigen::VectorXd z = Eigen::VectorXd::Zero(plant_.states() + 2);
+    z.head(plant_.states()) = state.xi;
+    const double energy = z.dot(plant_.energy.stored * z);
+    if (scales_.size() > 0 && energy <= energy_scale_) return;
+    energy_scale_ = energy > 0 ? energy : 1;
+    scales_ = compute_state_scales(plant_, energy_scale_, interval);
+    z_.resize(plant_.states() + 2);
+  }
+
+  const Plant plant_;
+  EngineOptions options_;
+  std::size_t n_;
+  std::vector<double> y_;
+  std::vector<double> intervals_;
+  Eigen::VectorXd scales_, z_, rate_;
+  double energy_scale_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_odeint_engine(const Plant& plant, const EngineOptions& options) {
+  return std::make_unique<OdeintEngine>(plant, options);
+}
+
+}  // namespace gyrator

@@ -1,0 +1,92 @@
+#include "gyrator/mechanics/device.hpp"
+
+#include <cmath>
+
+#include <fmt/core.h>
+
+#include "gyrator/core/error.hpp"
+
+namespace gyrator {
+namespace {
+
+void add_operator(DeviceNetwork& d, const Operator& held_by) {
+  Network& network = d.network;
+  const NodeId hand = network.add_node("operator.hand", Domain::mechanical);
+  d.operator_ammeter = network.add("operator.ammeter", hand, d.port, VoltageSource{}, Role::operator_side);
+  network.add("operator.external_effort", ground, hand, CurrentSource{d.external_effort}, Role::operator_side);
+  if (std::holds_alternative<ClampedOperator>(held_by)) {
+    network.add("operator.clamp", hand, ground, VoltageSource{}, Role::operator_side);
+  } else if (const auto* arm = std::get_if<MassSpringDamper>(&held_by)) {
+    const auto role = Role::operator_side;
+    if (arm->inertia > 0) network.add("operator.inertia", hand, ground, Capacitor{arm->inertia}, role);
+    if (arm->damping > 0) network.add("operator.damping", hand, ground, Conductance{arm->damping}, role);
+    if (arm->stiffness > 0) network.add("operator.stiffness", hand, ground, Inductor{1 / arm->stiffness}, role);
+    for (std::size_t i = 0; i < arm->resonators.size(); ++i) {
+      const std::string name = fmt::format("operator.resonator.{}", i);
+      const NodeId mass = network.add_node(name, Domain::mechanical);
+      network.add(name + ".stiffness", hand, mass, Inductor{1 / arm->resonators[i].stiffness}, role);
+      network.add(name + ".inertia", mass, ground, Capacitor{arm->resonators[i].inertia}, role);
+    }
+  }
+}
+
+DeviceNetwork build_with_gain(const Device& device, const Operator& held_by, double gain) {
+  DeviceNetwork d;
+  Network& network = d.network;
+  d.command = network.add_input("command");
+  d.external_effort = network.add_input("external_effort");
+  const NodeId command = network.add_node("command", Domain::electrical);
+  network.add("command", command, ground, VoltageSource{d.command}, Role::signal);
+
+  const Mechanics& mechanics = device.mechanics;
+  d.motor_shaft = network.add_node("motor.shaft", Domain::mechanical);
+  d.drive = add_drive(network, device.drive, command, d.motor_shaft, gain);
+  network.add("mechanics.inertia", d.motor_shaft, ground, Capacitor{mechanics.inertia});
+  if (mechanics.damping > 0) {
+    network.add("mechanics.damping", d.motor_shaft, ground, Conductance{mechanics.damping});
+  }
+  d.port = d.motor_shaft;
+  if (mechanics.transmission) {
+    const Transmission& t = *mechanics.transmission;
+    d.port = network.add_node("port", Domain::mechanical);
+    network.add("mechanics.transmission.stiffness", d.motor_shaft, d.port, Inductor{1 / t.stiffness});
+    if (t.damping > 0) {
+      network.add("mechanics.transmission.damping", d.motor_shaft, d.port, Conductance{t.damping});
+    }
+    network.add("mechanics.transmission.load_inertia", d.port, ground, Capacitor{t.load_inertia});
+  }
+  if (mechanics.high_pass_damper) {
+    const NodeId floating = network.add_node("mechanics.high_pass_damper", Domain::mechanical);
+    network.add("mechanics.high_pass_damper.damping", d.port, floating,
+                Conductance{mechanics.high_pass_damper->damping});
+    network.add("mechanics.high_pass_damper.inertia", floating, ground,
+                Capacitor{mechanics.high_pass_damper->inertia});
+  }
+  d.sensed = device.sensor == SensorLocation::motor ? d.motor_shaft : d.port;
+  d.collocated = d.sensed == d.port;
+  add_operator(d, held_by);
+  return d;
+}
+
+// Blocked effort at the port per unit of command, at DC.
+double compute_dc_gain(const Device& device) {
+  const DeviceNetwork blocked = build_with_gain(device, ClampedOperator{}, 1.0);
+  const NetworkEquations equations(blocked.network);
+  const Eigen::MatrixXd steady = solve_steady_state(equations.descriptor());
+  const LinearForm effort = equations.through(blocked.operator_ammeter);
+  return -(effort.x * steady.col(blocked.command))(0);
+}
+
+}  // namespace
+
+DeviceNetwork build_device_network(const Device& device, const Operator& held_by) {
+  const double dc_gain = compute_dc_gain(device);
+  if (!std::isfinite(dc_gain) || std::abs(dc_gain) < 1e-12) {
+    throw Error(ErrorCode::bad_input, "amplifier",
+                "no steady effort reaches the shaft: the command cannot be scaled to the blocked effort at DC; "
+                "a damping circuit shorts the motor or a capacitor blocks it");
+  }
+  return build_with_gain(device, held_by, 1.0 / dc_gain);
+}
+
+}  // namespace gyrator

@@ -1,0 +1,185 @@
+#include "gyrator/mechanics/plant.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <fmt/core.h>
+
+#include "gyrator/core/error.hpp"
+
+namespace gyrator {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::RowVectorXd;
+using Eigen::VectorXd;
+
+MatrixXd grow(const MatrixXd& form, Index at) {
+  // One more row and column of zeros at index `at`, for a state that takes no part in the energy.
+  MatrixXd grown = MatrixXd::Zero(form.rows() + 1, form.cols() + 1);
+  const Index tail = form.rows() - at;
+  grown.topLeftCorner(at, at) = form.topLeftCorner(at, at);
+  grown.bottomRightCorner(tail, tail) = form.bottomRightCorner(tail, tail);
+  grown.topRightCorner(at, tail) = form.topRightCorner(at, tail);
+  grown.bottomLeftCorner(tail, at) = form.bottomLeftCorner(tail, at);
+  return grown;
+}
+
+RowVectorXd grow(const RowVectorXd& row) {
+  RowVectorXd grown = RowVectorXd::Zero(row.size() + 1);
+  grown.head(row.size()) = row;
+  return grown;
+}
+
+// A row g with g A = velocity and g B = velocity_input, where the state holds the position already.
+std::optional<RowVectorXd> find_held_position(const MatrixXd& A, const MatrixXd& B, const Signal& velocity) {
+  const Index n = A.rows();
+  if (n == 0) return std::nullopt;
+  MatrixXd equations(A.cols() + B.cols(), n);
+  equations << A.transpose(), B.transpose();
+  VectorXd wanted(A.cols() + B.cols());
+  wanted << velocity.state.transpose(), velocity.input.transpose();
+  // Rows differ by their units: scale each to one before asking whether they can all be met.
+  for (Index i = 0; i < equations.rows(); ++i) {
+    const double size = std::max(equations.row(i).cwiseAbs().maxCoeff(), std::abs(wanted(i)));
+    if (size > 0) {
+      equations.row(i) /= size;
+      wanted(i) /= size;
+    }
+  }
+  const VectorXd columns = equations.colwise().norm().transpose().cwiseMax(1e-300);
+  const MatrixXd scaled = equations * columns.cwiseInverse().asDiagonal();
+  const Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition(scaled);
+  const VectorXd g = decomposition.solve(wanted);
+  if ((scaled * g - wanted).norm() > 1e-10 * wanted.norm()) return std::nullopt;
+  return RowVectorXd((g.array() / columns.array()).transpose());
+}
+
+// Position as the integral of a velocity: held by the state, or appended as a state of its own.
+Signal append_position(Plant& plant, std::string name, const Signal& velocity, std::vector<Signal*> signals) {
+  if (const auto held = find_held_position(plant.A, plant.B, velocity)) {
+    return {std::move(name), *held, RowVectorXd::Zero(plant.B.cols())};
+  }
+  const Index n = plant.A.rows();
+  MatrixXd A = MatrixXd::Zero(n + 1, n + 1);
+  A.topLeftCorner(n, n) = plant.A;
+  A.row(n).head(n) = velocity.state;
+  MatrixXd B(n + 1, plant.B.cols());
+  B << plant.B, velocity.input;
+  plant.A = A;
+  plant.B = B;
+  for (Signal* signal : signals) signal->state = grow(signal->state);
+  for (auto& signal : plant.others) signal.state = grow(signal.state);
+  auto& e = plant.energy;
+  for (MatrixXd* form : {&e.stored, &e.dissipated, &e.source, &e.operator_work, &e.source_jump}) {
+    *form = grow(*form, n);
+  }
+  RowVectorXd row = RowVectorXd::Zero(n + 1);
+  row(n) = 1;
+  return {std::move(name), row, RowVectorXd::Zero(plant.B.cols())};
+}
+
+Signal as_signal(std::string name, const ReducedForm& form) { return {std::move(name), form.state, form.input}; }
+
+}  // namespace
+
+Plant build_plant(const DeviceNetwork& device) {
+  const NetworkEquations equations(device.network);
+  const Reduction reduction = reduce(equations.descriptor());
+  Plant plant;
+  plant.A = reduction.A;
+  plant.B = reduction.B;
+  plant.energy = build_energy_forms(equations, reduction, device.operator_ammeter);
+
+  const auto read = [&](std::string name, const LinearForm& form) {
+    const ReducedForm reduced = reduction.reduce(form);
+    if (!reduced.state.allFinite() || reduced.input_rate.cwiseAbs().maxCoeff() > 1e-9 * (1 + reduced.input.cwiseAbs().maxCoeff())) {
+      throw Error(ErrorCode::numerical, name,
+                  "would need the derivative of the command: a step of it gives an impulse here; add the "
+                  "amplifier's bandwidth, a resistance or a compliance that the real device has");
+    }
+    return as_signal(std::move(name), reduced);
+  };
+  plant.port_velocity = read("velocity", equations.across(device.port));
+  Signal sensor_velocity = read("sensor_velocity", equations.across(device.sensed));
+  plant.port_effort = read("effort", equations.through(device.operator_ammeter));
+  const auto read_if_finite = [&](std::string name, const LinearForm& form) {
+    const ReducedForm reduced = reduction.reduce(form);
+    if (reduced.input_rate.isZero(1e-12)) plant.others.push_back(as_signal(std::move(name), reduced));
+  };
+  if (device.drive.motor_ammeter) read_if_finite("current", equations.through(*device.drive.motor_ammeter));
+  if (device.drive.terminal) read_if_finite("voltage", equations.across(*device.drive.terminal));
+
+  // At rest electrically, every inertia at the given velocity: of all unknowns only the
+  // mechanical node velocities are set.
+  VectorXd moving = VectorXd::Zero(equations.descriptor().size());
+  const auto& nodes = device.network.nodes();
+  for (std::size_t node = 1; node < nodes.size(); ++node) {
+    if (nodes[node].domain == Domain::mechanical) moving(static_cast<Index>(node) - 1) = 1;
+  }
+  const VectorXd at_velocity = reduction.initialize * moving;
+
+  plant.sensor_position = append_position(plant, "sensor_position", sensor_velocity,
+                                          {&plant.port_velocity, &plant.port_effort, &sensor_velocity});
+  plant.port_position = append_position(plant, "position", plant.port_velocity,
+                                        {&plant.port_velocity, &plant.port_effort, &plant.sensor_position});
+
+  // Initial state: the reduced network's at the velocity, appended positions at the position,
+  // and springs that hold a position (the operator's) deflected to it.
+  const Index n = plant.A.rows();
+  plant.rest = MatrixXd::Zero(n, 2);
+  plant.rest.col(1).head(at_velocity.size()) = at_velocity;
+  const MatrixXd positions = (MatrixXd(2, n) << plant.sensor_position.state, plant.port_position.state).finished();
+  // The smallest change of the state that gives both positions and leaves velocities alone: the
+  // held-position rows have no part in velocity states, so a minimum-norm solution touches none.
+  plant.rest.col(0) = positions.completeOrthogonalDecomposition().solve(Eigen::Vector2d(1, 1));
+  return plant;
+}
+
+std::optional<UnstablePole> find_unstable_pole(const DeviceNetwork& device) {
+  const NetworkEquations equations(device.network);
+  const Reduction reduction = reduce(equations.descriptor());
+  if (reduction.A.rows() == 0) return std::nullopt;
+  const Eigen::EigenSolver<MatrixXd> solver(reduction.A);
+  const VectorXd real = solver.eigenvalues().real();
+  Index worst = 0;
+  const double largest = real.maxCoeff(&worst);
+  const double scale = solver.eigenvalues().cwiseAbs().maxCoeff();
+  if (!(largest > 1e-9 * scale)) return std::nullopt;
+
+  UnstablePole pole{largest, std::abs(solver.eigenvalues()(worst).imag()), ""};
+  const Eigen::VectorXcd unknowns = reduction.recover_state * solver.eigenvectors().col(worst);
+  double most = -1;
+  const auto& elements = device.network.elements();
+  for (int e = 0; e < static_cast<int>(elements.size()); ++e) {
+    const Element& element = elements[static_cast<std::size_t>(e)];
+    double energy = -1;
+    if (const auto* c = std::get_if<Capacitor>(&element.law)) {
+      energy = c->capacitance * std::norm((equations.across(ElementId{e}).x * unknowns)(0));
+    } else if (const auto* l = std::get_if<Inductor>(&element.law)) {
+      energy = l->inductance * std::norm((equations.through(ElementId{e}).x * unknowns)(0));
+    }
+    if (energy > most && element.role == Role::device) {
+      most = energy;
+      pole.element = element.name;
+    }
+  }
+  return pole;
+}
+
+void require_stable_device(const Device& device) {
+  for (const Operator& held_by : {Operator{FreeOperator{}}, Operator{ClampedOperator{}}}) {
+    const auto pole = find_unstable_pole(build_device_network(device, held_by));
+    if (!pole) continue;
+    const bool clamped = std::holds_alternative<ClampedOperator>(held_by);
+    throw Error(ErrorCode::numerical, pole->element,
+                fmt::format("the device alone is unstable with the port {}: pole at {:+.4g} {:+.4g}j rad/s (amplitude "
+                            "doubles every {:.3g} s): the amplifier's loop and this element oscillate; lower the "
+                            "amplifier's bandwidth or add resistance",
+                            clamped ? "clamped" : "free", pole->real, pole->imag, 0.693147 / pole->real));
+  }
+}
+
+}  // namespace gyrator

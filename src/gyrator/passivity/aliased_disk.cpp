@@ -1,0 +1,224 @@
+#include "gyrator/passivity/aliased_disk.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <boost/math/quadrature/gauss.hpp>
+
+#include "gyrator/cosim/sampled_plant.hpp"
+
+namespace gyrator {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+constexpr int fewest_aliases = 24;
+constexpr int fewest_aliases_oscillating = 200;
+constexpr int most_aliases = 20000;
+
+struct QuadratureNode {
+  double x, weight;
+};
+
+// Gauss–Legendre nodes over [from, to].
+template <unsigned Points>
+std::array<QuadratureNode, Points> gauss_nodes(double from, double to) {
+  using Rule = boost::math::quadrature::gauss<double, Points>;
+  static_assert(Points % 2 == 0);
+  std::array<QuadratureNode, Points> nodes;
+  const double middle = (from + to) / 2;
+  const double half = (to - from) / 2;
+  for (unsigned i = 0; i < Points / 2; ++i) {
+    nodes[2 * i] = {middle - half * Rule::abscissa()[i], half * Rule::weights()[i]};
+    nodes[2 * i + 1] = {middle + half * Rule::abscissa()[i], half * Rule::weights()[i]};
+  }
+  return nodes;
+}
+
+// Fastest resonance: real poles vary as smoothly as 1/w and need no direct terms.
+double find_fastest_resonance(const Eigen::VectorXcd& poles) {
+  double fastest = 0;
+  for (const auto& pole : poles) {
+    if (std::abs(pole.imag()) > 0.3 * std::abs(pole)) fastest = std::max(fastest, std::abs(pole));
+  }
+  return fastest;
+}
+
+}  // namespace
+
+AliasedDisk::AliasedDisk(const Device& device, const Sampling& sampling)
+    : model_(device), period_(sampling.period.to_double()), delay_(sampling.delay.to_double()) {
+  whole_delay_ = split_delay(sampling).rest == 0;
+  const double sampling_frequency = 2 * std::numbers::pi / period_;
+  const double beyond_resonance = 2 * find_fastest_resonance(model_.poles()) / sampling_frequency;
+  aliases_ = std::clamp(static_cast<int>(std::min(beyond_resonance, 1e6)) + 1,
+                        whole_delay_ ? fewest_aliases : fewest_aliases_oscillating, most_aliases);
+  least_.value = infinity;
+  prepare_tail();
+}
+
+// (1 - e^(-jwT)) / T of (disk-1), without the difference; the same at every alias.
+Complex AliasedDisk::hold_factor(double omega) const {
+  const double half = omega * period_ / 2;
+  return Complex(0, 2 * std::sin(half)) * std::polar(1.0, -half) / period_;
+}
+
+void AliasedDisk::note_damping(const PortResponse& response) {
+  const double damping = response.impedance.real();
+  if (damping >= least_.value) return;
+  least_ = {std::abs(response.omega), damping, damping < -1e-12 * std::abs(response.impedance)};
+}
+
+AliasedDisk::Term AliasedDisk::make_term(double omega) {
+  const PortResponse r = model_.at(std::abs(omega));
+  note_damping(r);
+  const Complex path = r.sensor_path * r.actuation;
+  Term term{0, 0, path, r.blocked_motion, std::max(0.0, r.impedance.real())};
+  if (omega < 0) {
+    term.path = std::conj(term.path);
+    term.blocked = std::conj(term.blocked);
+  }
+  return term;
+}
+
+void AliasedDisk::prepare_tail() {
+  const double sampling_frequency = 2 * std::numbers::pi / period_;
+  tail_start_ = (aliases_ + 1) * sampling_frequency;
+  const double fastest = model_.poles().size() > 0 ? model_.poles().cwiseAbs().maxCoeff() : 0;
+  far_omega_ = 1e3 * std::max(tail_start_, fastest);
+  // sum over n -> (1/w_s) integral of g(w)/w^2 dw; in t = ln w the integrand is g/w.
+  const int panels = static_cast<int>(std::ceil(std::log(far_omega_ / tail_start_) / 0.6));
+  const double width = std::log(far_omega_ / tail_start_) / panels;
+  for (int p = 0; p < panels; ++p) {
+    const double from = std::log(tail_start_) + p * width;
+    for (const auto& node : gauss_nodes<8>(from, from + width)) {
+      const double omega = std::exp(node.x);
+      Term term = make_term(omega);
+      term.radius_weight = node.weight / omega / sampling_frequency;
+      tail_.push_back(term);
+    }
+  }
+  far_ = make_term(far_omega_);
+  farther_ = make_term(10 * far_omega_);
+}
+
+AliasedDisk::Terms AliasedDisk::collect(double omega) {
+  const double sampling_frequency = 2 * std::numbers::pi / period_;
+  const Complex hold = hold_factor(omega);
+  Terms terms;
+  terms.omega = omega;
+  terms.aliases.reserve(static_cast<std::size_t>(2 * aliases_) + 24);
+  const auto weigh = [&](Term term, double at, double factor) {
+    term.center_weight = -factor * hold * std::polar(1.0, -at * delay_) / (at * at);  // 1/(jw)^2 = -1/w^2
+    term.radius_weight = factor * std::abs(hold) / (at * at);
+    return term;
+  };
+  terms.base = weigh(make_term(omega), omega, 1);
+  for (int n = 1; n <= aliases_; ++n) {
+    for (const double at : {omega + n * sampling_frequency, omega - n * sampling_frequency}) {
+      terms.aliases.push_back(weigh(make_term(at), at, 1));
+    }
+  }
+
+  // Euler–Maclaurin from the midpoint a = |w_(N+1/2)|, in units of w_s:
+  //   sum_{n>N} f(w_n) = integral_a^inf f dw + f'(a)/24 - 7 f'''(a)/5760 + …                 (em-1)
+  // with the derivatives from values at a ± h and a ± 3h:
+  //   f' = (27 d_1 - d_3)/(48 h),  f''' = (d_3 - 3 d_1)/(8 h^3),  d_k = f(a + k h) - f(a - k h).
+  constexpr double h = 0.25;
+  constexpr double third = -7.0 / 5760 / (8 * h * h * h);
+  constexpr double near_weight = 27 / (24 * 48 * h) - 3 * third;
+  constexpr double far_weight = -1 / (24 * 48 * h) + third;
+  for (const double side : {1.0, -1.0}) {
+    const double a = (aliases_ + 0.5) * sampling_frequency + side * omega;
+    const auto add = [&](double at, double factor) {
+      Term term = weigh(make_term(side * at), side * at, factor);
+      if (!whole_delay_) term.center_weight = 0;
+      terms.aliases.push_back(term);
+    };
+    for (const auto& node : gauss_nodes<6>(a, tail_start_)) add(node.x, node.weight / sampling_frequency);
+    for (const double sign : {1.0, -1.0}) {
+      add(a + sign * h * sampling_frequency, sign * near_weight);
+      add(a + sign * 3 * h * sampling_frequency, sign * far_weight);
+    }
+  }
+  terms.tail_factor = -hold * std::polar(1.0, -omega * delay_);
+  return terms;
+}
+
+DiskPoint AliasedDisk::evaluate(const Terms& terms, double extra_damping) const {
+  const auto half_over = [&](const Term& term) {  // 1/(2 Re Z)
+    const double damping = term.damping + extra_damping;
+    return damping > 0 ? 1 / (2 * damping) : infinity;
+  };
+  Complex center = 0;
+  double radius = 0;
+  double oscillating = 0;  // bound of the centre's tail where the delay makes it oscillate
+  for (const Term& term : terms.aliases) {
+    const double size = std::abs(term.path);
+    const double compliance = size > 0 ? half_over(term) : 0;
+    center += term.center_weight * (term.blocked + (size > 0 ? term.path * compliance : Complex(0)));
+    radius += term.radius_weight * size * compliance;
+    if (!whole_delay_ && term.center_weight == Complex(0)) {
+      oscillating += term.radius_weight * (std::abs(term.blocked) + size * compliance);
+    }
+  }
+  Complex tail_center = 0;
+  double tail_radius = 0;
+  for (const Term& term : tail_) {
+    const double size = std::abs(term.path);
+    const double compliance = size > 0 ? half_over(term) : 0;
+    tail_center += term.radius_weight * (term.blocked + (size > 0 ? term.path * compliance : Complex(0)));
+    tail_radius += term.radius_weight * size * compliance;
+  }
+  // Behind the last panel g ~ w^q: integral of g/w^2 from W is g(W)/(W (1 - q)).
+  const double sampling_frequency = 2 * std::numbers::pi / period_;
+  const double near = std::abs(far_.path) > 0 ? std::abs(far_.path) * half_over(far_) : 0;
+  const double farther = std::abs(farther_.path) > 0 ? std::abs(farther_.path) * half_over(farther_) : 0;
+  if (near > 0) {
+    const double exponent = std::log10(farther / near);
+    const double weight = exponent < 0.95 ? 1 / (far_omega_ * sampling_frequency * (1 - exponent)) : infinity;
+    tail_center += weight * far_.path * half_over(far_);
+    tail_radius += weight * near;
+  }
+  const double factor = std::abs(terms.tail_factor);
+  if (whole_delay_) {
+    // Upper aliases carry the tail as it is, lower ones its conjugate.
+    center += terms.tail_factor * 2.0 * tail_center.real();
+  } else {
+    oscillating += 2 * factor * std::abs(tail_center);
+  }
+  radius += 2 * factor * tail_radius + oscillating;
+
+  DiskPoint point;
+  point.omega = terms.omega;
+  const Term& base = terms.base;
+  const double R = base.damping + extra_damping;
+  point.damping = R;
+  // The base term c_0 = k (M + S A/(2 R)) with its part of (disk-3) multiplied out:
+  //   R (|c_0|^2 - r_0^2) = |k|^2 (R |M|^2 + Re{M* S A}).
+  const Complex scaled_base = base.center_weight * (R * base.blocked + base.path / 2.0);
+  const double scaled_base_radius = base.radius_weight * std::abs(base.path) / 2;
+  if (!std::isfinite(radius)) {  // an alias without any damping: no disk bounds the loop
+    point.scaled_center = scaled_base;
+    point.scaled_gap = -infinity;
+    point.center = R > 0 ? scaled_base / R : Complex(infinity, 0);
+    point.radius = infinity;
+    return point;
+  }
+  point.scaled_center = scaled_base + R * center;
+  point.scaled_gap = std::norm(base.center_weight) *
+                         (R * std::norm(base.blocked) + std::real(std::conj(base.blocked) * base.path)) +
+                     2 * std::real(std::conj(scaled_base) * center) - 2 * scaled_base_radius * radius +
+                     R * (std::norm(center) - radius * radius);
+  point.center = R > 0 ? point.scaled_center / R : Complex(infinity, 0);
+  point.radius = R > 0 ? scaled_base_radius / R + radius : infinity;
+  return point;
+}
+
+DiskPoint AliasedDisk::at(double omega, double extra_damping) { return evaluate(collect(omega), extra_damping); }
+
+}  // namespace gyrator

@@ -1,0 +1,223 @@
+#include "gyrator/passivity/counterexample.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <nlopt.hpp>
+
+#include "gyrator/cosim/sampled_plant.hpp"
+
+namespace gyrator {
+namespace {
+
+using Complex = std::complex<double>;
+
+// An operator counts as a counterexample when the loop grows beyond rounding.
+constexpr double clearly_growing = 1e-8;
+constexpr int refined_candidates = 4;
+
+// An operator must be of the device's own order of magnitude: beyond, eigenvalues are rounding.
+// In units of the device's inertia J and of J/T^2; a part below the smallest is left out.
+constexpr double largest_inertia = 1e5;
+constexpr double largest_stiffness = 1e2;
+constexpr double smallest_part = 1e-7;
+
+// The reactance with which the operator turns an alias of complex weight k S A to the wanted angle.
+double find_reactance(const PortResponse& response, Complex weight, double angle) {
+  const double theta = angle - std::arg(weight);
+  const Complex disk_element = (1.0 + std::polar(1.0, theta)) / (2 * response.impedance.real());
+  return std::imag(1.0 / disk_element - response.impedance);
+}
+
+struct WantedReactance {
+  double omega, at_base, at_first_alias;  // the alias at w - w_s < 0
+};
+
+WantedReactance find_wanted(AliasedDisk& disk, double omega, Complex law, double delay) {
+  const double sampling_frequency = 2 * std::numbers::pi / disk.period();
+  const DiskPoint point = disk.at(omega);
+  const double angle = std::arg(-1.0 / law - point.center);
+  const auto reactance_at = [&](double at) {
+    const PortResponse r = disk.model().at(std::abs(at));
+    // k_n without its positive factor: -(1 - e^(-jwT)) e^(-jw_n t_d)
+    const Complex hold = -(1.0 - std::polar(1.0, -omega * disk.period())) * std::polar(1.0, -at * delay);
+    Complex path = r.sensor_path * r.actuation;
+    if (at < 0) path = std::conj(path);
+    // For a negative frequency the response is conjugate, and so is what turns it.
+    return at > 0 ? find_reactance(r, hold * path, angle) : -find_reactance(r, std::conj(hold * path), -angle);
+  };
+  return {omega, reactance_at(omega), reactance_at(omega - sampling_frequency)};
+}
+
+// Inertia and spring with M w - k/w = X at w, over the free parameter of the family.
+void add_family(const WantedReactance& wanted, double inertia_scale, std::vector<MassSpringDamper>& candidates) {
+  const double w = wanted.omega;
+  const double x = wanted.at_base;
+  if (!std::isfinite(x)) return;
+  for (const double share : {0.0, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0}) {
+    const double size = std::abs(x) + 1e-9 * inertia_scale * w;
+    MassSpringDamper held_by;
+    if (x >= 0) {  // inertia overcomes the spring
+      held_by.stiffness = share * size * w;
+      held_by.inertia = (x + held_by.stiffness / w) / w;
+    } else {
+      held_by.inertia = share * size / w;
+      held_by.stiffness = (held_by.inertia * w - x) * w;
+    }
+    candidates.push_back(held_by);
+  }
+}
+
+// Inertia and spring that also meet the first alias, w' = w - w_s; none where one would be negative.
+std::optional<MassSpringDamper> solve_both(const WantedReactance& wanted, double period) {
+  const double w = wanted.omega;
+  const double v = 2 * std::numbers::pi / period - w;  // at -v the reactance is -(M v - k/v)
+  const double x = wanted.at_base;
+  const double y = -wanted.at_first_alias;
+  // M w - k/w = x, M v - k/v = y
+  const double determinant = v / w - w / v;
+  if (!(std::abs(determinant) > 1e-9)) return std::nullopt;
+  const double inertia = (y / w - x / v) / determinant;
+  const double stiffness = (y * w - x * v) / determinant;
+  if (!(inertia >= 0 && stiffness >= 0)) return std::nullopt;
+  return MassSpringDamper{inertia, 0, stiffness, {}};
+}
+
+class Search {
+ public:
+  Search(const Device& device, const Sampling& sampling, const DiscreteStateSpace& law)
+      : device_(device), sampling_(sampling), law_(law) {}
+
+  double inertia_scale() const {
+    const auto& mechanics = device_.mechanics;
+    return mechanics.transmission ? mechanics.transmission->load_inertia : mechanics.inertia;
+  }
+  double stiffness_scale() const { return inertia_scale() / std::pow(sampling_.period.to_double(), 2); }
+
+  MassSpringDamper without_trifles(MassSpringDamper held_by) const {
+    if (held_by.inertia < smallest_part * inertia_scale()) held_by.inertia = 0;
+    if (held_by.stiffness < smallest_part * stiffness_scale()) held_by.stiffness = 0;
+    return held_by;
+  }
+
+  bool in_proportion(const MassSpringDamper& held_by) const {
+    return held_by.inertia <= largest_inertia * inertia_scale() &&
+           held_by.stiffness <= largest_stiffness * stiffness_scale();
+  }
+
+  Counterexample judge(const MassSpringDamper& held_by) const {
+    return judge_operator(device_, sampling_, law_, held_by);
+  }
+
+  // Leaves out parts that do not matter: a plain inertia says more than one with a weak spring.
+  Counterexample simplify(const Counterexample& found) const {
+    Counterexample simplest = found;
+    for (double MassSpringDamper::*part : {&MassSpringDamper::stiffness, &MassSpringDamper::inertia}) {
+      MassSpringDamper without = simplest.held_by;
+      without.*part = 0;
+      const Counterexample candidate = judge(without);
+      if (candidate.spectral_radius - 1 >= 0.9 * (found.spectral_radius - 1)) simplest = candidate;
+    }
+    return simplest;
+  }
+
+  // Local improvement over the logarithms of all parts, present or not.
+  Counterexample improve(const Counterexample& start, bool resonator, int evaluations) const {
+    std::vector<double> x{std::log(start.held_by.inertia), std::log(start.held_by.stiffness)};
+    std::vector<double> lower{std::log(smallest_part * inertia_scale()), std::log(smallest_part * stiffness_scale())};
+    std::vector<double> upper{std::log(largest_inertia * inertia_scale()),
+                              std::log(largest_stiffness * stiffness_scale())};
+    if (resonator) {
+      const double inertia = std::max(start.held_by.inertia, 1e-2 * inertia_scale());
+      lower.insert(lower.end(), {lower[0], lower[1]});
+      upper.insert(upper.end(), {upper[0], upper[1]});
+      x.push_back(std::log(inertia));
+      x.push_back(std::log(inertia * std::pow(2 * std::numbers::pi * 0.35 / sampling_.period.to_double(), 2)));
+    }
+    Counterexample best = start;
+    nlopt::opt optimizer(nlopt::LN_NELDERMEAD, static_cast<unsigned>(x.size()));
+    nlopt::vfunc objective = [](const std::vector<double>& v, std::vector<double>&, void* data) {
+      auto& [search, found] = *static_cast<std::pair<const Search*, Counterexample*>*>(data);
+      MassSpringDamper held_by{std::exp(v[0]), 0, std::exp(v[1]), {}};
+      if (v.size() > 2) held_by.resonators.push_back({std::exp(v[2]), std::exp(v[3])});
+      Counterexample candidate;
+      try {
+        candidate = search->judge(held_by);
+      } catch (const std::exception&) {  // values out of all proportion: not a candidate
+        return 0.0;
+      }
+      if (candidate.spectral_radius > found->spectral_radius) *found = candidate;
+      return candidate.spectral_radius;
+    };
+    std::pair<const Search*, Counterexample*> data{this, &best};
+    optimizer.set_max_objective(objective, &data);
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = std::clamp(x[i], lower[i], upper[i]);
+    optimizer.set_lower_bounds(lower);
+    optimizer.set_upper_bounds(upper);
+    optimizer.set_maxeval(evaluations);
+    optimizer.set_xtol_rel(1e-4);
+    optimizer.set_initial_step(0.3);
+    double value = 0;
+    try {
+      optimizer.optimize(x, value);
+    } catch (const nlopt::roundoff_limited&) {
+      // The best point so far is kept.
+    }
+    return best;
+  }
+
+ private:
+  const Device& device_;
+  const Sampling& sampling_;
+  const DiscreteStateSpace& law_;
+};
+
+}  // namespace
+
+Counterexample judge_operator(const Device& device, const Sampling& sampling, const DiscreteStateSpace& law,
+                              const MassSpringDamper& held_by) {
+  const Plant plant = build_plant(build_device_network(device, held_by));
+  const DominantPole pole =
+      find_dominant_pole(build_loop_matrix(sample_plant(plant, sampling), law), sampling.period.to_double());
+  return {held_by, pole.magnitude, pole.frequency_hz};
+}
+
+std::optional<Counterexample> find_counterexample(const Device& device, const Sampling& sampling,
+                                                  const DiscreteStateSpace& law, AliasedDisk& disk,
+                                                  const std::vector<double>& failing_omega) {
+  const Search search(device, sampling, law);
+  const double delay = sampling.delay.to_double();
+  std::vector<MassSpringDamper> operators{MassSpringDamper{}};
+  for (const double omega : failing_omega) {
+    const WantedReactance wanted =
+        find_wanted(disk, omega, law.response(std::polar(1.0, omega * disk.period())), delay);
+    add_family(wanted, search.inertia_scale(), operators);
+    if (const auto both = solve_both(wanted, disk.period())) operators.push_back(*both);
+  }
+  std::vector<Counterexample> candidates;
+  for (const auto& held_by : operators) {
+    if (search.in_proportion(held_by)) candidates.push_back(search.judge(search.without_trifles(held_by)));
+  }
+  const auto stronger = [](const Counterexample& a, const Counterexample& b) {
+    return a.spectral_radius > b.spectral_radius;
+  };
+  std::sort(candidates.begin(), candidates.end(), stronger);
+
+  // Refine a few of the best, of which the strongest wins; resonators last.
+  Counterexample best = candidates.front();
+  for (const bool resonator : {false, true}) {
+    if (resonator && best.spectral_radius > 1 + clearly_growing) break;
+    const std::size_t count = std::min<std::size_t>(refined_candidates, candidates.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      const Counterexample refined =
+          search.improve(candidates[i], resonator, resonator ? 250 : 80);
+      if (stronger(refined, best)) best = refined;
+      if (best.spectral_radius > 1 + 1e-4) break;
+    }
+  }
+  if (!(best.spectral_radius > 1 + clearly_growing)) return std::nullopt;
+  return search.simplify(best);
+}
+
+}  // namespace gyrator

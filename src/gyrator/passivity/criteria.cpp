@@ -1,0 +1,158 @@
+#include "gyrator/passivity/criteria.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "gyrator/cosim/sampled_plant.hpp"
+#include "gyrator/passivity/frequency_grid.hpp"
+#include "gyrator/passivity/virtual_damping.hpp"
+
+namespace gyrator {
+namespace {
+
+using std::numbers::pi;
+
+// Changes of Re Z and of A below this are no change.
+constexpr double same = 1e-6;
+
+std::string join_reasons(const std::vector<std::string>& reasons) { return fmt::format("{}", fmt::join(reasons, "; ")); }
+
+std::vector<std::string> drive_reasons(const Assumptions& a) {
+  std::vector<std::string> reasons;
+  if (!a.ideal_drive) {
+    reasons.push_back(fmt::format("the command reaches the shaft through the circuit (A is not 1; it lags by {:.3g} s "
+                                  "at low frequency)",
+                                  a.lag_s));
+  }
+  if (!a.collocated) reasons.emplace_back("the sensor is not at the port");
+  return reasons;
+}
+
+double spread(double low, double high) { return high > 0 ? (high - low) / high : 0; }
+
+CriterionResult judge_spring_damper(const VirtualWall& wall, const Assumptions& a, StiffnessLimits& limits) {
+  CriterionResult result;
+  result.name = "spring_damper";
+  const double b = limits.disk().model().at(limits.grid().front()).impedance.real();
+  result.margin = b - (wall.stiffness * limits.disk().period() / 2 + std::abs(wall.damping));
+  result.holds = result.margin > 0;
+  result.worst_frequency_hz = 0.5 / limits.disk().period();
+  result.max_stiffness = limits.find(Criterion::spring_damper, wall.damping).stiffness;
+  auto reasons = drive_reasons(a);
+  if (!a.constant_damping) reasons.emplace_back("the device's damping depends on frequency");
+  if (!a.no_delay) reasons.emplace_back("there is a computation delay");
+  const auto* difference = std::get_if<DifferenceEstimator>(&wall.velocity);
+  if (wall.damping != 0 && !(difference && difference->window == 1)) {
+    reasons.emplace_back("velocity is not the backward difference over one sample");
+  }
+  result.applies = reasons.empty();
+  result.reason = reasons.empty() ? "b > K T/2 + |B| [8.4]" : join_reasons(reasons);
+  return result;
+}
+
+CriterionResult judge_frequency_dependent(const PassivityModel& model, const DiscreteStateSpace& law,
+                                          const Assumptions& a, StiffnessLimits& limits) {
+  CriterionResult result;
+  result.name = "frequency_dependent";
+  const double period = limits.disk().period();
+  const double delay = model.sampling.delay.to_double();
+  const auto total = [&](double omega) {
+    const auto late = std::polar(1.0, -omega * delay);
+    return limits.disk().model().at(omega).impedance.real() +
+           compute_virtual_damping(omega, period, late * law.response(std::polar(1.0, omega * period)));
+  };
+  std::vector<double> values;
+  for (const double omega : limits.grid()) values.push_back(total(omega));
+  const Minimum worst = find_minimum(limits.grid(), values, total);
+  result.margin = worst.value;
+  result.holds = worst.value > 0;
+  result.worst_frequency_hz = worst.omega / (2 * pi);
+  if (const auto* wall = std::get_if<VirtualWall>(&model.controller)) {
+    result.max_stiffness = limits.find(Criterion::frequency_dependent, wall->damping).stiffness;
+  }
+  auto reasons = drive_reasons(a);
+  if (!a.non_decreasing_damping) {
+    reasons.push_back(fmt::format("the device's damping falls with frequency from {:.3g} Hz", a.falling_from_hz));
+  }
+  if (!a.whole_delay) reasons.emplace_back("the delay is not a whole number of periods");
+  result.applies = reasons.empty();
+  result.reason = reasons.empty() ? "Re Z + virtual damping > 0 at every frequency [8.46]" : join_reasons(reasons);
+  return result;
+}
+
+CriterionResult judge_quantized_coulomb(const PassivityModel& model, const VirtualWall& wall, const Assumptions& a,
+                                        StiffnessLimits& limits) {
+  CriterionResult result;
+  result.name = "quantized_coulomb";
+  const double period = limits.disk().period();
+  const double b = limits.disk().model().at(limits.grid().front()).impedance.real();
+  const double coulomb = model.device.mechanics.coulomb_friction;
+  const double friction_limit = model.quantum > 0 ? 2 * coulomb / model.quantum : INFINITY;
+  const double limit = std::min(2 * b / period, friction_limit);
+  result.max_stiffness = limit;
+  result.margin = (limit - wall.stiffness) * period / 2;
+  result.holds = wall.stiffness <= limit;
+  auto reasons = drive_reasons(a);
+  if (!(model.quantum > 0)) reasons.emplace_back("no encoder quantum is given");
+  if (!a.constant_damping) reasons.emplace_back("the device's damping depends on frequency");
+  if (!a.no_delay) reasons.emplace_back("there is a computation delay");
+  if (wall.damping != 0) reasons.emplace_back("the wall has virtual damping");
+  result.applies = reasons.empty();
+  result.reason = reasons.empty() ? "K <= min(2 b/T, 2 f_c/quantum) [8.5]" : join_reasons(reasons);
+  return result;
+}
+
+}  // namespace
+
+Assumptions test_assumptions(const Device& device, const Sampling& sampling, PortModel& model) {
+  Assumptions a;
+  a.collocated = device.sensor == SensorLocation::port || !device.mechanics.transmission;
+  a.no_delay = sampling.delay == Rational(0);
+  a.whole_delay = split_delay(sampling).rest == 0;
+
+  // To infinity: up to far beyond the fastest pole and the Nyquist frequency.
+  const double period = sampling.period.to_double();
+  std::vector<double> grid = make_judging_grid(model.poles(), period);
+  const double fastest = model.poles().size() > 0 ? model.poles().cwiseAbs().maxCoeff() : 0;
+  const double top = 100 * std::max(fastest, pi / period);
+  for (double omega = grid.back() * 1.05; omega < top; omega *= 1.05) grid.push_back(omega);
+
+  double highest = 0;
+  double lowest = INFINITY;
+  for (const double omega : grid) {
+    const PortResponse r = model.at(omega);
+    const double damping = r.impedance.real();
+    // Rounding of Re Z comes from the size of the impedance.
+    const double noise = same * std::max(highest, damping) + 1e-12 * std::abs(r.impedance);
+    if (damping < highest - noise && a.non_decreasing_damping) {
+      a.non_decreasing_damping = false;
+      a.falling_from_hz = omega / (2 * pi);
+    }
+    if (1e-12 * std::abs(r.impedance) < same * std::max(highest, damping)) {
+      highest = std::max(highest, damping);
+      lowest = std::min(lowest, damping);
+    }
+    if (std::abs(r.actuation - 1.0) > same) a.ideal_drive = false;
+  }
+  a.constant_damping = spread(lowest, highest) < same;
+  const PortResponse slow = model.at(grid.front());
+  a.lag_s = -std::arg(slow.actuation) / slow.omega;
+  return a;
+}
+
+std::vector<CriterionResult> judge_textbook(const PassivityModel& model, const Assumptions& assumptions,
+                                            StiffnessLimits& limits) {
+  const double period = model.sampling.period.to_double();
+  std::vector<CriterionResult> results;
+  const auto* wall = std::get_if<VirtualWall>(&model.controller);
+  if (wall) results.push_back(judge_spring_damper(*wall, assumptions, limits));
+  results.push_back(judge_frequency_dependent(model, make_contact_law(model.controller, period), assumptions, limits));
+  if (wall) results.push_back(judge_quantized_coulomb(model, *wall, assumptions, limits));
+  return results;
+}
+
+}  // namespace gyrator

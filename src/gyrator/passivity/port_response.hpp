@@ -1,0 +1,46 @@
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "gyrator/circuits/hessenberg_response.hpp"
+#include "gyrator/mechanics/device.hpp"
+
+namespace gyrator {
+
+/// The device at one frequency, seen with the port's velocity v_p imposed:
+///   f_h = Z v_p - A u        v_s = S v_p + M u                                    (port-1)
+/// Z impedance at the port; A actuation path, the blocked effort at the port per command (1 for
+/// an ideal drive); S sensor path, sensed over port velocity (1 when they are the same); M what
+/// the sensor still sees of the command with the port held (0 when they are the same).
+///
+/// In the admittances of the equations sheet Z = 1/Y_pp, A = Y_pu/Y_pp, S = Y_sp/Y_pp and
+/// M = Y_su - Y_sp Y_pu/Y_pp. This form needs no difference of large numbers in the passivity
+/// criteria: coupled to an operator of impedance Σ the loop sees v_s/u = M + S A/(Z + Σ).
+struct PortResponse {
+  double omega = 0;  ///< [rad/s]
+  std::complex<double> impedance, actuation, sensor_path, blocked_motion;
+};
+
+/// Straight from the network's descriptor equations, point by point; for tables and as the check of
+/// PortModel. Frequencies in Hz. Throws numerical where the network is singular.
+std::vector<PortResponse> compute_port_response(const Device& device, const std::vector<double>& frequency_hz);
+
+/// The same from the reduced state space, fast enough for sums over many aliases.
+class PortModel {
+ public:
+  explicit PortModel(const Device& device);
+
+  PortResponse at(double omega);
+
+  /// Poles of the device with the port free and with it clamped [rad/s]: where its response varies.
+  const Eigen::VectorXcd& poles() const { return poles_; }
+
+ private:
+  HessenbergResponse response_;
+  Eigen::VectorXcd poles_;
+  bool collocated_;
+  Eigen::MatrixXcd admittance_;
+};
+
+}  // namespace gyrator

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gyrator/controllers/velocity_estimator.hpp"
+#include "gyrator/cosim/sampled_plant.hpp"
+#include "gyrator/passivity/aliased_disk.hpp"
+
+namespace gyrator {
+
+/// What "largest stiffness" means.
+enum class Criterion { spring_damper, frequency_dependent, exact_disk, coupled };
+
+/// All of them with their names, in order of presentation.
+struct CriterionName {
+  Criterion criterion;
+  std::string_view name;
+  std::string_view summary;
+};
+const std::vector<CriterionName>& criterion_names();
+std::string_view name_of(Criterion criterion);
+
+struct StiffnessLimit {
+  double stiffness = 0;           ///< [N/m, N.m/rad]; infinite where nothing bounds it; 0 if not feasible
+  bool feasible = false;          ///< false: not even K = 0 meets the criterion at this virtual damping
+  double worst_frequency_hz = 0;  ///< where it binds
+};
+
+/// Largest virtual stiffness K of a wall H = K + B V(z) over virtual damping B, by one criterion.
+/// What does not depend on K and B (the disks, the sampled plant) is computed once.
+///   spring_damper        K = (b - |B|) 2/T, b = Re Z(0)                                   [8.4]
+///   frequency_dependent  Re Z + b_v > 0 at every frequency                               [8.46]
+///   exact_disk           D(w) > 0 of (disk-3) at every frequency
+///   coupled              the exact loop with the given operator is stable
+class StiffnessLimits {
+ public:
+  StiffnessLimits(const Device& device, const Sampling& sampling, const VelocityEstimator& estimator,
+                  const Operator& held_by);
+
+  StiffnessLimit find(Criterion criterion, double virtual_damping);
+
+  AliasedDisk& disk() { return disk_; }
+  const std::vector<double>& grid() const { return grid_; }
+  const std::vector<DiskPoint>& disks();
+
+ private:
+  StiffnessLimit find_spring_damper(double virtual_damping);
+  StiffnessLimit find_frequency_dependent(double virtual_damping);
+  StiffnessLimit find_exact_disk(double virtual_damping);
+  StiffnessLimit find_coupled(double virtual_damping);
+  template <class Function>
+  StiffnessLimit find_lowest(const Function& limit_at, const std::vector<double>& values);
+  std::complex<double> velocity_response(double omega) const;
+  const SampledPlant& sampled();
+
+  Device device_;
+  Sampling sampling_;
+  double period_;
+  DiscreteStateSpace velocity_;
+  Operator operator_;
+  AliasedDisk disk_;
+  std::vector<double> grid_;
+  std::vector<DiskPoint> disks_;
+  std::vector<double> damping_;
+  std::vector<std::complex<double>> velocity_on_grid_;
+  std::optional<SampledPlant> sampled_;
+};
+
+}  // namespace gyrator

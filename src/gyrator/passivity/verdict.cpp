@@ -1,0 +1,184 @@
+#include "gyrator/passivity/verdict.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/core.h>
+
+#include "gyrator/cosim/sampled_plant.hpp"
+#include "gyrator/passivity/criteria.hpp"
+#include "gyrator/passivity/frequency_grid.hpp"
+#include "gyrator/passivity/virtual_damping.hpp"
+
+namespace gyrator {
+namespace {
+
+using std::numbers::pi;
+
+class Judge {
+ public:
+  explicit Judge(const PassivityModel& model)
+      : model_(model),
+        period_(model.sampling.period.to_double()),
+        law_(make_contact_law(model.controller, period_)),
+        limits_(model.device, model.sampling, estimator_of(model.controller), FreeOperator{}) {}
+
+  Verdict judge(bool search_counterexample) {
+    Verdict v;
+    const auto& grid = limits_.grid();
+    for (const double omega : grid) laws_.push_back(law_at(omega));
+    CriterionResult exact = judge_exact(v);
+    const Assumptions assumptions = test_assumptions(model_.device, model_.sampling, limits_.disk().model());
+    v.criteria = judge_textbook(model_, assumptions, limits_);
+    v.criteria.insert(v.criteria.begin() + (v.criteria.size() > 1 ? 2 : 1), exact);
+    v.passive = exact.holds;
+    v.curves = draw_curves();
+    explain(v);
+    if (!v.passive && v.device_passive) {
+      v.extra_damping = find_extra_damping();
+      if (search_counterexample) find_operator(v);
+    }
+    return v;
+  }
+
+ private:
+  static VelocityEstimator estimator_of(const Controller& controller) {
+    const auto* wall = std::get_if<VirtualWall>(&controller);
+    return wall ? wall->velocity : VelocityEstimator{DifferenceEstimator{}};
+  }
+
+  std::complex<double> law_at(double omega) const { return law_.response(std::polar(1.0, omega * period_)); }
+
+  CriterionResult judge_exact(Verdict& v) {
+    CriterionResult exact;
+    exact.name = "exact_disk";
+    exact.applies = true;
+    const auto& points = limits_.disks();
+    std::vector<double> values;
+    for (std::size_t i = 0; i < points.size(); ++i) values.push_back(points[i].damping_margin(laws_[i]));
+    worst_ = find_minimum(limits_.grid(), values, [&](double omega) {
+      return limits_.disk().at(omega).damping_margin(law_at(omega));
+    });
+    exact.margin = worst_.value;
+    exact.worst_frequency_hz = worst_.omega / (2 * pi);
+    v.worst_disk = limits_.disk().at(worst_.omega);
+    v.worst_law = law_at(worst_.omega);
+
+    const auto& least = limits_.disk().least_damping();
+    v.least_damping = least.value;
+    v.least_damping_frequency_hz = least.omega / (2 * pi);
+    v.device_passive = !least.active;
+    const Plant free = build_plant(build_device_network(model_.device, FreeOperator{}));
+    v.uncoupled_spectral_radius = compute_spectral_radius(build_loop_matrix(sample_plant(free, model_.sampling), law_));
+    const bool stable_alone = v.uncoupled_spectral_radius <= 1 + stability_tolerance;
+    exact.holds = worst_.value > 0 && stable_alone && v.device_passive;
+    if (const auto* wall = std::get_if<VirtualWall>(&model_.controller)) {
+      exact.max_stiffness = limits_.find(Criterion::exact_disk, wall->damping).stiffness;
+    }
+    if (!v.device_passive) {
+      exact.reason = fmt::format("the bare device supplies energy at {:.4g} Hz (Re Z = {:.3g})",
+                                 v.least_damping_frequency_hz, v.least_damping);
+    } else if (!stable_alone) {
+      exact.reason = fmt::format("the loop is unstable with nothing attached (spectral radius {:.6g})",
+                                 v.uncoupled_spectral_radius);
+    } else if (std::isinf(v.worst_disk.radius)) {
+      exact.reason = "the device's damping vanishes at high frequency faster than the command path: no bound exists; "
+                     "give the mechanics some viscous damping";
+    } else {
+      exact.reason = "aliased disk of all passive operators: command path, sensor place and delay included";
+    }
+    return exact;
+  }
+
+  static void explain(Verdict& v) {
+    const CriterionResult* exact = nullptr;
+    const CriterionResult* textbook = nullptr;
+    for (const auto& criterion : v.criteria) {
+      if (criterion.name == "exact_disk") exact = &criterion;
+      if (criterion.name == "frequency_dependent") textbook = &criterion;
+    }
+    if (v.passive) {
+      v.explanation = "No passive operator can make the loop unstable.";
+      if (!textbook->holds) v.explanation += " The textbook criterion [8.46] denies it: it is too strict here.";
+      return;
+    }
+    v.explanation = "Some passive operator makes the loop unstable.";
+    if (!v.device_passive || v.uncoupled_spectral_radius > 1 + stability_tolerance) {
+      v.explanation = fmt::format("Not passive: {}.", exact->reason);
+    } else if (textbook->holds) {
+      v.explanation += textbook->applies ? " The textbook criterion [8.46] would call it passive."
+                                         : fmt::format(" The textbook criterion [8.46] would call it passive, but does "
+                                                       "not apply here: {}.",
+                                                       textbook->reason);
+    }
+  }
+
+  DampingCurves draw_curves() {
+    DampingCurves curves;
+    const auto& points = limits_.disks();
+    const double delay = model_.sampling.delay.to_double();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double omega = limits_.grid()[i];
+      const double virtual_part =
+          compute_virtual_damping(omega, period_, std::polar(1.0, -omega * delay) * laws_[i]);
+      curves.frequency_hz.push_back(omega / (2 * pi));
+      curves.physical.push_back(points[i].damping);
+      curves.virtual_damping.push_back(virtual_part);
+      curves.total.push_back(points[i].damping + virtual_part);
+      curves.exact.push_back(points[i].damping_margin(laws_[i]));
+    }
+    return curves;
+  }
+
+  // Smallest damper at the port that lifts D above zero everywhere: bracket by doubling, then bisect.
+  std::optional<double> find_extra_damping() {
+    std::vector<AliasedDisk::Terms> terms;
+    for (const double omega : limits_.grid()) terms.push_back(limits_.disk().collect(omega));
+    terms.push_back(limits_.disk().collect(worst_.omega));
+    const auto mended = [&](double extra) {
+      return std::all_of(terms.begin(), terms.end(), [&](const AliasedDisk::Terms& t) {
+        return limits_.disk().evaluate(t, extra).damping_margin(law_at(t.omega)) > 0;
+      });
+    };
+    double high = std::max(1e-12, std::abs(worst_.value));
+    for (int doublings = 0; !mended(high); high *= 2) {
+      if (++doublings > 60) return std::nullopt;
+    }
+    double low = 0;
+    while (high - low > 1e-5 * high) {
+      const double middle = (low + high) / 2;
+      (mended(middle) ? high : low) = middle;
+    }
+    return high;
+  }
+
+  // Frequencies where the disk is exceeded, thinned to a couple of dozen, the worst one first.
+  void find_operator(Verdict& v) {
+    std::vector<double> failing{v.worst_disk.omega};
+    const auto& points = limits_.disks();
+    std::vector<double> all;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (points[i].damping_margin(laws_[i]) <= 0) all.push_back(points[i].omega);
+    }
+    const std::size_t stride = std::max<std::size_t>(1, all.size() / 24);
+    for (std::size_t i = 0; i < all.size(); i += stride) failing.push_back(all[i]);
+    v.counterexample = find_counterexample(model_.device, model_.sampling, law_, limits_.disk(), failing);
+  }
+
+  const PassivityModel& model_;
+  double period_;
+  DiscreteStateSpace law_;
+  StiffnessLimits limits_;
+  std::vector<std::complex<double>> laws_;
+  Minimum worst_;  // of D over frequency
+};
+
+}  // namespace
+
+Verdict judge_passivity(const PassivityModel& model, bool search_counterexample) {
+  require_stable_device(model.device);
+  return Judge(model).judge(search_counterexample);
+}
+
+}  // namespace gyrator

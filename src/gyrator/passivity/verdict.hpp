@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gyrator/controllers/controller.hpp"
+#include "gyrator/passivity/counterexample.hpp"
+#include "gyrator/passivity/stiffness_limit.hpp"
+
+namespace gyrator {
+
+/// One criterion's answer. Margins are dampings [N.s/m, N.m.s/rad]: what is left at the worst
+/// frequency, negative by what is missing there.
+struct CriterionResult {
+  std::string name;
+  bool applies = false;  ///< its assumptions hold for this device
+  bool holds = false;    ///< its inequality holds, whether it applies or not
+  double margin = 0;
+  std::optional<double> worst_frequency_hz;
+  std::optional<double> max_stiffness;  ///< largest K at the model's virtual damping
+  std::string reason;                   ///< why it does not apply, or what it says
+};
+
+/// Damping over frequency, for the picture of figs 8.18–8.21 [N.s/m, N.m.s/rad].
+struct DampingCurves {
+  std::vector<double> frequency_hz, physical, virtual_damping, total, exact;
+};
+
+struct Verdict {
+  bool passive = false;
+  std::string explanation;  ///< one sentence
+  std::vector<CriterionResult> criteria;
+  bool device_passive = true;          ///< Re Z >= 0 everywhere, alone
+  double least_damping = 0;            ///< lowest Re Z over base frequencies and aliases
+  double least_damping_frequency_hz = 0;
+  double uncoupled_spectral_radius = 0;
+  std::optional<double> extra_damping;  ///< smallest additional port damping that mends it; none if it cannot
+  DiskPoint worst_disk;
+  std::complex<double> worst_law;  ///< H at the worst frequency
+  DampingCurves curves;
+  std::optional<Counterexample> counterexample;
+};
+
+struct PassivityModel {
+  Device device;
+  Controller controller;
+  Sampling sampling;
+  double quantum = 0;  ///< encoder quantum [m, rad]
+};
+
+/// Judges the sampled loop for every passive operator. The verdict is the exact disk's; the
+/// textbook criteria stand beside it with the reason where they do not apply. Throws numerical
+/// for a device that is unstable alone.
+Verdict judge_passivity(const PassivityModel& model, bool search_counterexample = true);
+
+}  // namespace gyrator

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "gyrator/cosim/simulation.hpp"
+#include "gyrator/mechanics/device.hpp"
+#include "gyrator/passivity/verdict.hpp"
+
+namespace gyrator {
+
+/// Everything a model file says, validated, in SI units.
+struct Model {
+  std::string name;
+  Device device;
+  Sensor sensor;
+  Controller controller;
+  Sampling sampling;
+  Operator held_by = FreeOperator{};
+  Rational duration{1, 2};
+  double initial_position = 0;
+  double initial_velocity = 0;
+  double external_effort = 0;
+  nlohmann::json source;  ///< the file as the user wrote it, for results and reports
+
+  PassivityModel passivity_model() const { return {device, controller, sampling, sensor.quantum}; }
+};
+
+/// Reads and validates a model file. Throws bad_input with file and JSON path.
+Model load_model(const std::string& path);
+
+/// The same from JSON; `file` is only for messages.
+Model parse_model(const nlohmann::json& document, const std::string& file);
+
+/// Unit texts of a motion for results: keys damping, stiffness, position, velocity, effort, inertia.
+nlohmann::json unit_names(Motion motion);
+
+}  // namespace gyrator

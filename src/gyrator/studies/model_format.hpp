@@ -1,0 +1,22 @@
+#pragma once
+
+#include "gyrator/mechanics/device.hpp"
+#include "gyrator/studies/document_spec.hpp"
+
+namespace gyrator {
+
+/// The model file as a table: keys, units, defaults, bounds and one sentence each. From it follow
+/// the reader, the JSON Schema (schemas/model.schema.json) and the manual's reference.
+/// The document is one of two, rotary or linear, told apart by its key "motion".
+const Member& model_format();
+
+/// The units of a motion: N.m and rad, or N and m.
+struct MotionUnits {
+  Unit inertia, damping, stiffness, effort, motor_constant, position, velocity, quantum;
+};
+const MotionUnits& units_of(Motion motion);
+
+/// The version text that a model file begins with.
+inline constexpr const char* model_schema_name = "gyrator/model/1";
+
+}  // namespace gyrator

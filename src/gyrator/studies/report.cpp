@@ -1,0 +1,163 @@
+#include "gyrator/studies/report.hpp"
+
+#include "gyrator/core/error.hpp"
+#include "gyrator/core/interrupt.hpp"
+#include "gyrator/studies/html.hpp"
+#include "gyrator/studies/output_file.hpp"
+#include "gyrator/studies/report_sections.hpp"
+#include "gyrator/studies/result_fields.hpp"
+#include "gyrator/studies/result_figures.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+namespace gyrator {
+namespace {
+
+using nlohmann::json;
+
+/// Runs `make` and names the result by its place in the list in whatever it throws.
+template <typename Make>
+auto in_result(std::size_t index, std::size_t count, const Make& make) {
+  try {
+    return make();
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::interrupted) throw;
+    throw Error(error.code(),
+                fmt::format("report: result {} of {}: {}", index + 1, count, error.place()),
+                error.message());
+  }
+}
+
+/// The boundaries that belong to the passivity result: of the same model, or null.
+json zwidth_of_same_model(const std::vector<json>& results, const json& passivity) {
+  for (const auto& result : results)
+    if (optional_text(result, "command") == "zwidth" && has(result, "boundaries") &&
+        result.value("model", json()) == passivity.value("model", json()))
+      return result;
+  return nullptr;
+}
+
+std::string finding_html(const std::vector<json>& results) {
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const auto& result = results[i];
+    if (optional_text(result, "command") != "passivity") continue;
+    auto html = in_result(i, results.size(), [&]() -> std::string {
+      const auto words = finding_in_words(result);
+      if (words.empty()) return {};
+      const json zwidth = zwidth_of_same_model(results, result);
+      std::string box =
+          "<section class=\"finding\">\n<h2>The finding</h2>\n" + html_paragraph(words);
+      const bool run = has(result, "counterexample") && has(result["counterexample"], "simulation");
+      if (run || !zwidth.is_null())
+        box += html_figure(
+            figure_as_svg(finding_figure(result, zwidth), "finding"),
+            std::string(zwidth.is_null()
+                            ? ""
+                            : "Largest stiffness over virtual damping by the rules; in "
+                              "the shaded region the textbook calls passive what is "
+                              "not. ") +
+                (run ? "The run of the operator that shows it: the motion should die out and "
+                       "grows instead."
+                     : ""));
+      return box + "</section>\n";
+    });
+    if (!html.empty()) return html;
+  }
+  return {};
+}
+
+std::string summary_html(const std::vector<json>& results) {
+  std::string html;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const auto sentence =
+        in_result(i, results.size(), [&] { return verdict_sentence(results[i]); });
+    if (sentence.empty()) continue;
+    html += fmt::format("<p class=\"verdict{}\">{}</p>\n", is_bad_news(results[i]) ? " bad" : "",
+                        html_escape(sentence));
+  }
+  return html + finding_html(results);
+}
+
+std::string section_html(const json& result, std::size_t index) {
+  const auto section = report_section(result);
+  const auto name = optional_text(result, "model_name");
+  std::string html = fmt::format(
+      "<section>\n<h2>{}</h2>\n{}",
+      html_escape(name.empty() ? section.title : section.title + ": " + name), section.html);
+  auto figure = result_figure(result);
+  figure.title.clear();  // the heading says it
+  if (!figure.panels.empty())
+    html +=
+        html_figure(figure_as_svg(figure, fmt::format("result_{}", index + 1)), section.caption);
+  return html + "</section>\n";
+}
+
+std::string command_line_of(const json& result) {
+  const auto at = result.find("command_line");
+  if (at == result.end() || at->is_null()) return {};
+  if (at->is_string()) return at->get<std::string>();
+  std::string line;
+  for (const auto& word : *at)
+    line += (line.empty() ? "" : " ") + (word.is_string() ? word.get<std::string>() : word.dump());
+  return line;
+}
+
+/// Models and command lines, each once, and the program that made the results.
+std::string origin_html(const std::vector<json>& results) {
+  std::string lines;
+  std::set<std::string> programs;
+  std::vector<json> models;
+  for (const auto& result : results) {
+    const auto line = command_line_of(result);
+    if (!line.empty()) lines += line + "\n";
+    if (const auto program = optional_text(result, "program"); !program.empty())
+      programs.insert(program);
+    const json model = result.value("model", json());
+    if (!model.is_null() && std::find(models.begin(), models.end(), model) == models.end())
+      models.push_back(model);
+  }
+  std::string html = "<section>\n<h2>How this was made</h2>\n";
+  if (!lines.empty()) html += "<h3>Commands</h3>\n<pre>" + html_escape(lines) + "</pre>\n";
+  for (const auto& model : models) {
+    const auto name = optional_text(model, "name");
+    // A model's text may hold broken UTF-8: shown as '?' rather than refused.
+    html += "<h3>Model" + html_escape(name.empty() ? "" : ": " + name) + "</h3>\n<pre>" +
+            html_escape(model.dump(2, ' ', false, json::error_handler_t::replace)) + "</pre>\n";
+  }
+  html += "</section>\n";
+  if (!programs.empty())
+    html += fmt::format("<footer>Made with {}.</footer>\n",
+                        html_escape(fmt::format("{}", fmt::join(programs, ", "))));
+  return html;
+}
+
+std::string title_of_page(const std::vector<json>& results) {
+  for (const auto& result : results)
+    if (auto name = optional_text(result, "model_name"); !name.empty()) return name;
+  return "Results";
+}
+
+}  // namespace
+
+std::string report_as_html(const std::vector<json>& results) {
+  if (results.empty())
+    throw Error(ErrorCode::bad_input, "report", "no results given; a report needs at least one");
+  const auto title = title_of_page(results);
+  std::string body = "<h1>" + html_escape(title) + "</h1>\n" + summary_html(results);
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    throw_if_interrupted("report");
+    body += in_result(i, results.size(), [&] { return section_html(results[i], i); });
+  }
+  return html_page(title + " – gyrator", body + origin_html(results));
+}
+
+void write_report(const std::vector<json>& results, const std::string& path) {
+  OutputFile file(path);  // first: a name that cannot be written is told before the work
+  file.stream() << report_as_html(results);
+  file.commit();
+}
+
+}  // namespace gyrator

@@ -1,0 +1,258 @@
+#include "gyrator/studies/results.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/core.h>
+
+#include "gyrator/core/error.hpp"
+#include "gyrator/passivity/port_response.hpp"
+#include "gyrator/studies/progress.hpp"
+#include "gyrator/version.hpp"
+
+namespace gyrator {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t most_trace_rows = 5000;
+
+json start_result(const char* command, const Model& model) {
+  return {{"schema", "gyrator/result/1"},
+          {"command", command},
+          {"program", fmt::format("gyrator {}", version)},
+          {"model_name", model.name},
+          {"model", model.source},
+          {"units", unit_names(model.device.motion)}};
+}
+
+json optional_number(const std::optional<double>& value) { return value ? json(*value) : json(nullptr); }
+
+// Infinite limits and radii have no JSON number: null.
+json finite_or_null(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
+
+json criterion_json(const CriterionResult& c) {
+  return {{"name", c.name},
+          {"applies", c.applies},
+          {"holds", c.holds},
+          {"margin", finite_or_null(c.margin)},
+          {"worst_frequency_hz", optional_number(c.worst_frequency_hz)},
+          {"max_stiffness", c.max_stiffness ? finite_or_null(*c.max_stiffness) : json(nullptr)},
+          {"reason", c.reason}};
+}
+
+json disk_json(const Verdict& v) {
+  const DiskPoint& d = v.worst_disk;
+  const std::complex<double> critical = -1.0 / v.worst_law;
+  return {{"frequency_hz", d.omega / (2 * std::numbers::pi)},
+          {"center_real", finite_or_null(d.center.real())},
+          {"center_imag", finite_or_null(d.center.imag())},
+          {"radius", finite_or_null(d.radius)},
+          {"critical_real", finite_or_null(critical.real())},
+          {"critical_imag", finite_or_null(critical.imag())}};
+}
+
+// A run of the loop with the operator that lasts until the growth is plain to see.
+json simulate_counterexample(const Model& model, const Counterexample& found) {
+  constexpr double wanted_growth = 8;  // natural logarithm: a factor of 3000
+  constexpr double most_samples = 4e6;
+  constexpr double rows = 4000;
+  const double rate = std::log(found.spectral_radius);
+  const double period = model.sampling.period.to_double();
+  // At least ten periods of the oscillation, at most what takes a second.
+  const double oscillation = found.frequency_hz > 0 ? 10 / (found.frequency_hz * period) : 0;
+  const auto samples = static_cast<std::int64_t>(std::clamp(std::max(wanted_growth / rate, oscillation), 60.0, most_samples));
+  SimulationOptions options;
+  options.duration = model.sampling.period * Rational(samples);
+  options.initial_velocity = model.initial_velocity != 0 ? model.initial_velocity : 1e-3;
+  options.initial_position = model.initial_position;
+  options.engine_options.ledger = false;
+  options.record_every = std::max<long>(1, static_cast<long>(std::floor(static_cast<double>(samples) / rows)));
+  // The loop that the verdict is about: the wall in contact, nothing quantized.
+  Controller controller = model.controller;
+  if (auto* wall = std::get_if<VirtualWall>(&controller)) wall->unilateral = wall->no_pull = false;
+  const Plant plant = build_plant(build_device_network(model.device, found.held_by));
+  const TimeRun run = simulate(plant, Sensor{}, controller, model.sampling, options);
+  return {{"classification", name_of(run.classification.outcome)},
+          {"duration_s", run.final_time_s},
+          {"samples", run.steps},
+          {"initial_velocity", options.initial_velocity},
+          {"time_s", run.trace.column("time_s")},
+          {"position", run.trace.column("position")},
+          {"command", run.trace.column("command")}};
+}
+
+json counterexample_json(const Model& model, const Counterexample& found, bool with_run) {
+  json resonators = json::array();
+  for (const auto& r : found.held_by.resonators) {
+    resonators.push_back({{"inertia", r.inertia}, {"stiffness", r.stiffness}});
+  }
+  json result = {{"inertia", found.held_by.inertia},
+                 {"stiffness", found.held_by.stiffness},
+                 {"resonators", resonators},
+                 {"spectral_radius", found.spectral_radius},
+                 {"frequency_hz", found.frequency_hz}};
+  if (with_run) result["simulation"] = simulate_counterexample(model, found);
+  return result;
+}
+
+const VirtualWall* wall_of(const Model& model) { return std::get_if<VirtualWall>(&model.controller); }
+
+}  // namespace
+
+json make_impedance_result(const Model& model, const std::vector<double>& frequency_hz) {
+  require_stable_device(model.device);
+  json result = start_result("impedance", model);
+  std::vector<double> z_real;
+  std::vector<double> z_imag;
+  std::vector<double> a_real;
+  std::vector<double> a_imag;
+  for (const auto& r : compute_port_response(model.device, frequency_hz)) {
+    z_real.push_back(r.impedance.real());
+    z_imag.push_back(r.impedance.imag());
+    a_real.push_back(r.actuation.real());
+    a_imag.push_back(r.actuation.imag());
+  }
+  result["frequency_hz"] = frequency_hz;
+  result["effective_damping"] = z_real;
+  result["impedance_real"] = std::move(z_real);
+  result["impedance_imag"] = std::move(z_imag);
+  result["actuation_real"] = std::move(a_real);
+  result["actuation_imag"] = std::move(a_imag);
+  return result;
+}
+
+json make_passivity_result(const Model& model, const PassivityRequest& request) {
+  const Verdict v = judge_passivity(model.passivity_model(), request.search_counterexample);
+  json result = start_result("passivity", model);
+  result["verdict"] = v.passive ? "passive" : "not_passive";
+  result["explanation"] = v.explanation;
+  if (const auto* wall = wall_of(model)) {
+    result["stiffness"] = wall->stiffness;
+    result["virtual_damping"] = wall->damping;
+  }
+  result["criteria"] = json::array();
+  for (const auto& criterion : v.criteria) result["criteria"].push_back(criterion_json(criterion));
+  result["extra_damping"] = optional_number(v.extra_damping);
+  result["device"] = {{"passive", v.device_passive},
+                      {"least_damping", v.least_damping},
+                      {"least_damping_frequency_hz", v.least_damping_frequency_hz}};
+  result["uncoupled_spectral_radius"] = v.uncoupled_spectral_radius;
+  result["damping_over_frequency"] = {{"frequency_hz", v.curves.frequency_hz},
+                                      {"physical", v.curves.physical},
+                                      {"virtual", v.curves.virtual_damping},
+                                      {"total", v.curves.total},
+                                      {"exact", v.curves.exact}};
+  if (std::abs(v.worst_law) > 0) result["disk"] = disk_json(v);
+  result["counterexample"] =
+      v.counterexample ? counterexample_json(model, *v.counterexample, request.simulate_counterexample) : json(nullptr);
+  return result;
+}
+
+std::vector<double> choose_damping_range(const Model& model, int points) {
+  const auto* wall = wall_of(model);
+  StiffnessLimits limits(model.device, model.sampling, wall ? wall->velocity : DifferenceEstimator{}, model.held_by);
+  const double b = limits.disk().model().at(limits.grid().front()).impedance.real();
+  // Upwards until the exact disk allows no stiffness any more.
+  double high = std::max(b, 1e-12);
+  double low = 0;
+  for (int i = 0; i < 60 && limits.find(Criterion::exact_disk, high).feasible; ++i) {
+    low = high;
+    high *= 2;
+  }
+  for (int i = 0; i < 20; ++i) {
+    const double middle = (low + high) / 2;
+    (limits.find(Criterion::exact_disk, middle).feasible ? low : high) = middle;
+  }
+  std::vector<double> damping;
+  for (int i = 0; i < points; ++i) damping.push_back(-b + (high + b) * i / std::max(1, points - 1));
+  return damping;
+}
+
+json make_zwidth_result(const Model& model, const ZwidthRequest& request) {
+  require_stable_device(model.device);
+  json result = start_result("zwidth", model);
+  const auto* wall = wall_of(model);
+  StiffnessLimits limits(model.device, model.sampling, wall ? wall->velocity : DifferenceEstimator{}, model.held_by);
+  Progress progress("Z-width", request.damping.size() * request.criteria.size(), request.quiet);
+  json boundaries = json::array();
+  for (const Criterion criterion : request.criteria) {
+    json stiffness = json::array();
+    json feasible = json::array();
+    json frequency = json::array();
+    for (const double damping : request.damping) {
+      const StiffnessLimit limit = limits.find(criterion, damping);
+      stiffness.push_back(finite_or_null(limit.stiffness));
+      feasible.push_back(limit.feasible);
+      frequency.push_back(limit.worst_frequency_hz);
+      progress.advance();
+    }
+    boundaries.push_back({{"criterion", name_of(criterion)},
+                          {"damping", request.damping},
+                          {"max_stiffness", stiffness},
+                          {"feasible", feasible},
+                          {"worst_frequency_hz", frequency}});
+  }
+  for (const char* key : {"criterion", "damping", "max_stiffness", "feasible"}) result[key] = boundaries.front()[key];
+  result["boundaries"] = std::move(boundaries);
+  if (wall) result["point"] = {{"damping", wall->damping}, {"stiffness", wall->stiffness}};
+  return result;
+}
+
+TimeRun run_simulation(const Model& model, const SimulationRequest& request) {
+  if (model.device.mechanics.coulomb_friction > 0) {
+    throw Error(ErrorCode::bad_input, "mechanics/coulomb_friction",
+                fmt::format("{:g}: simulate takes devices without Coulomb friction only; set it to 0 (the criterion "
+                            "quantized_coulomb of `passivity` uses it)",
+                            model.device.mechanics.coulomb_friction));
+  }
+  require_stable_device(model.device);
+  SimulationOptions options;
+  options.duration = request.duration.value_or(model.duration);
+  options.initial_position = model.initial_position;
+  options.initial_velocity = model.initial_velocity;
+  options.external_effort = model.external_effort;
+  options.engine = request.engine;
+  options.engine_options = request.engine_options;
+  options.trace_step = request.trace_step;
+  const Plant plant = build_plant(build_device_network(model.device, model.held_by));
+  return simulate(plant, model.sensor, model.controller, model.sampling, options);
+}
+
+json make_simulation_result(const Model& model, const SimulationRequest& request, const TimeRun& run) {
+  json result = start_result("simulate", model);
+  result["engine"] = request.engine == EngineKind::exact ? "exact" : request.engine == EngineKind::cvode ? "cvode" : "odeint";
+  result["final_time_s"] = run.final_time_s;
+  result["steps"] = run.steps;
+  result["stopped_early"] = run.stopped_early;
+  result["classification"] = name_of(run.classification.outcome);
+  result["growth"] = run.classification.growth;
+  result["oscillation"] = {{"frequency_hz", run.classification.frequency_hz}, {"amplitude", run.classification.amplitude}};
+  const EnergyLedger& e = run.energy;
+  result["energy"] = {{"operator", e.operator_work},       {"source", e.source},
+                      {"stored", e.stored},                {"stored_initially", e.stored_initially},
+                      {"dissipated", e.dissipated},        {"residual", e.residual}};
+  const std::size_t rows = run.trace.columns.front().size();
+  const std::size_t stride = std::max<std::size_t>(1, (rows + most_trace_rows - 1) / most_trace_rows);
+  json trace = json::object();
+  json energy_trace = json::object();
+  for (std::size_t c = 0; c < run.trace.names.size(); ++c) {
+    json column = json::array();
+    for (std::size_t row = 0; row < rows; row += stride) column.push_back(run.trace.columns[c][row]);
+    const std::string& name = run.trace.names[c];
+    constexpr std::string_view prefix = "energy_";
+    if (name == "time_s") energy_trace[name] = column;
+    if (name.starts_with(prefix)) {
+      energy_trace[name.substr(prefix.size())] = std::move(column);
+    } else {
+      trace[name] = std::move(column);
+    }
+  }
+  result["trace"] = std::move(trace);
+  result["trace_rows_per_sample"] = 1.0 / static_cast<double>(stride);
+  if (energy_trace.size() > 1) result["energy_trace"] = std::move(energy_trace);
+  return result;
+}
+
+}  // namespace gyrator

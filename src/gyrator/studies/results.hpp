@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "gyrator/passivity/stiffness_limit.hpp"
+#include "gyrator/studies/model_file.hpp"
+
+namespace gyrator {
+
+// The answers of the commands as JSON (docs/results.md): what --json prints, -o keeps, the figures
+// draw and the report shows. Every one has command, program, model_name, model and units.
+
+/// Z, A and Re Z over frequency, straight from the network's equations.
+nlohmann::json make_impedance_result(const Model& model, const std::vector<double>& frequency_hz);
+
+struct PassivityRequest {
+  bool search_counterexample = true;
+  bool simulate_counterexample = false;
+};
+/// Verdict, criteria, damping curves, the disk at the worst frequency, the operator that breaks the
+/// loop and, if asked for, the run that shows it.
+nlohmann::json make_passivity_result(const Model& model, const PassivityRequest& request);
+
+struct ZwidthRequest {
+  std::vector<double> damping;        ///< virtual dampings B [N.s/m, N.m.s/rad]
+  std::vector<Criterion> criteria;
+  bool quiet = true;                  ///< no progress bar
+};
+/// Largest stiffness over virtual damping, one boundary per criterion.
+nlohmann::json make_zwidth_result(const Model& model, const ZwidthRequest& request);
+
+/// Virtual dampings that show the whole boundary: from -b to where the exact disk's limit ends.
+std::vector<double> choose_damping_range(const Model& model, int points);
+
+struct SimulationRequest {
+  EngineKind engine = EngineKind::exact;
+  EngineOptions engine_options;
+  std::optional<Rational> duration, trace_step;
+};
+/// The run itself (for CSV).
+TimeRun run_simulation(const Model& model, const SimulationRequest& request);
+/// The run as a result; long traces are thinned for it.
+nlohmann::json make_simulation_result(const Model& model, const SimulationRequest& request, const TimeRun& run);
+
+}  // namespace gyrator

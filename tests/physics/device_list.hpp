@@ -1,0 +1,100 @@
+#pragma once
+
+#include "gyrator/mechanics/device.hpp"
+
+#include <string>
+#include <vector>
+
+namespace gyrator::testing {
+
+/// Teaching plant P3 of the reference cases: 0.04 kg, 0.8 N.s/m, ideal drive.
+inline Device make_p3() {
+  Device device;
+  device.motion = Motion::linear;
+  device.mechanics.inertia = 0.04;
+  device.mechanics.damping = 0.8;
+  return device;
+}
+
+/// maxon RE25 10 W 118743, as in the reference cases.
+inline Motor make_re25_motor() {
+  return {.torque_constant = 23.5e-3, .resistance = 2.06, .inductance = 0.238e-3};
+}
+inline Device make_re25() {
+  Device device;
+  device.drive.motor = make_re25_motor();
+  device.drive.amplifier = CurrentAmplifier{};
+  device.mechanics.inertia = 1.07e-6;
+  device.mechanics.damping = 1.2e-6;
+  return device;
+}
+
+/// The RC-damped rotary display that the interface shows as its example model.
+inline Device make_rc_display() {
+  Device device;
+  device.drive.motor = Motor{.torque_constant = 0.05, .resistance = 1.5, .inductance = 0.5e-3};
+  device.drive.amplifier = CurrentAmplifier{};
+  device.drive.damping = {RcDamping{.resistance = 5, .capacitance = 2200e-6}};
+  device.mechanics.inertia = 2e-5;
+  device.mechanics.damping = 1e-4;
+  return device;
+}
+
+struct NamedDevice {
+  std::string name;
+  Device device;
+};
+
+/// Every kind of amplifier with every kind of damping that it can carry, then every kind of
+/// mechanics and sensor place: the list over which physical identities are tested.
+inline std::vector<NamedDevice> make_device_list() {
+  const std::vector<std::pair<std::string, Amplifier>> amplifiers{
+      {"ideal", IdealDrive{}},
+      {"current", CurrentAmplifier{}},
+      {"current 400 Hz", CurrentAmplifier{.bandwidth_hz = 400}},
+      {"current, motor sensed", CurrentAmplifier{.bandwidth_hz = {}, .sense = CurrentSense::motor}},
+      {"current 100 Hz, motor sensed",
+       CurrentAmplifier{.bandwidth_hz = 100, .sense = CurrentSense::motor}},
+      {"voltage", VoltageAmplifier{}},
+      {"voltage 800 Hz, 0.7 ohm", VoltageAmplifier{.bandwidth_hz = 800, .output_resistance = 0.7}},
+  };
+  const std::vector<std::pair<std::string, std::vector<Damping>>> dampings{
+      {"no damping", {}},
+      {"10 ohm", {ResistorDamping{10}}},
+      {"5 ohm 2200 uF", {RcDamping{.resistance = 5, .capacitance = 2200e-6}}},
+      {"47 uF", {RcDamping{.capacitance = 47e-6}}},
+      {"30 ohm and 8 ohm 100 uF",
+       {ResistorDamping{30}, RcDamping{.resistance = 8, .capacitance = 100e-6}}},
+  };
+  std::vector<NamedDevice> list{{"P3", make_p3()}};
+  for (const auto& [amplifier_name, amplifier] : amplifiers) {
+    for (const auto& [damping_name, damping] : dampings) {
+      Device device = make_rc_display();
+      device.drive.amplifier = amplifier;
+      device.drive.damping = damping;
+      list.push_back({amplifier_name + ", " + damping_name, device});
+    }
+  }
+  Device resistive = make_rc_display();
+  resistive.drive.motor->inductance = 0;
+  list.push_back({"motor without inductance", resistive});
+
+  Device high_pass = make_p3();
+  high_pass.mechanics.high_pass_damper = HighPassDamper{.inertia = 0.02, .damping = 2};
+  list.push_back({"high-pass damper", high_pass});
+
+  for (const SensorLocation sensor : {SensorLocation::port, SensorLocation::motor}) {
+    Device compliant = make_rc_display();
+    compliant.mechanics.transmission =
+        Transmission{.stiffness = 20, .damping = 1e-3, .load_inertia = 1e-5};
+    compliant.sensor = sensor;
+    const std::string place = sensor == SensorLocation::port ? "port" : "motor";
+    list.push_back({"compliant transmission, sensor at the " + place, compliant});
+    compliant.drive.amplifier = VoltageAmplifier{.bandwidth_hz = 2000};
+    compliant.mechanics.high_pass_damper = HighPassDamper{.inertia = 5e-6, .damping = 1e-3};
+    list.push_back({"all mechanics, sensor at the " + place, compliant});
+  }
+  return list;
+}
+
+}  // namespace gyrator::testing

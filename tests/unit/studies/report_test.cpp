@@ -1,0 +1,296 @@
+#include "gyrator/studies/report.hpp"
+
+#include "gyrator/core/error.hpp"
+#include "gyrator/studies/report_sections.hpp"
+#include "gyrator/studies/result_fields.hpp"
+#include "gyrator/studies/result_figures.hpp"
+
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include <boost/property_tree/ptree.hpp>
+#include <boost/property_tree/xml_parser.hpp>
+#include <gtest/gtest.h>
+
+#include "sample_results.hpp"
+#include "scratch_folder.hpp"
+
+namespace gyrator {
+namespace {
+
+using nlohmann::json;
+
+std::vector<json> all_samples() {
+  return {sample_passivity(), sample_zwidth(), sample_simulate(), sample_impedance()};
+}
+
+/// What a reader sees: tags taken out.
+std::string shown_text(const std::string& html) {
+  return std::regex_replace(html, std::regex("<[^>]*>"), " ");
+}
+
+const Curve* find_curve(const Panel& panel, const std::string& title) {
+  for (const auto& curve : panel.curves)
+    if (curve.title == title) return &curve;
+  return nullptr;
+}
+
+TEST(Report, IsOneWellFormedPageThatLoadsNothing) {
+  const auto html = report_as_html(all_samples());
+  std::istringstream stream(html);
+  boost::property_tree::ptree tree;
+  EXPECT_NO_THROW(boost::property_tree::read_xml(stream, tree));
+  EXPECT_EQ(html.find("<script"), std::string::npos);
+  EXPECT_EQ(html.find("<link"), std::string::npos);
+  EXPECT_EQ(html.find("src="), std::string::npos);
+  EXPECT_EQ(html.find("@import"), std::string::npos);
+  // The only addresses are the names of XML vocabularies.
+  static const std::regex address(R"(https?://[^"' ]*)");
+  for (std::sregex_iterator at(html.begin(), html.end(), address), end; at != end; ++at)
+    EXPECT_TRUE(at->str().starts_with("http://www.w3.org/")) << at->str();
+}
+
+TEST(Report, OpensWithTheVerdictAndTheFinding) {
+  const auto text = shown_text(report_as_html(all_samples()));
+  const auto verdict = text.find("Not passive: with a wall of stiffness 0.4 N·m/rad");
+  const auto finding = text.find("allows 0.5 N·m/rad here");
+  const auto truth = text.find("is 0.0658 N·m/rad: the textbook is 7.6 times too high");
+  const auto section = text.find("Passivity: RC-damped display");
+  ASSERT_NE(verdict, std::string::npos) << text;
+  ASSERT_NE(finding, std::string::npos);
+  ASSERT_NE(truth, std::string::npos);
+  ASSERT_NE(section, std::string::npos);
+  EXPECT_LT(verdict, finding);
+  EXPECT_LT(finding, truth);
+  EXPECT_LT(truth, section);
+  EXPECT_NE(text.find("The proof is a plain inertia of 3.6×10⁻³ kg·m² held in the hand"),
+            std::string::npos);
+}
+
+TEST(Report, SaysNothingOfAFindingWhereTheCriteriaAgree) {
+  auto passivity = sample_passivity();
+  passivity["verdict"] = "passive";
+  passivity["criteria"] = {sample_criterion("frequency_dependent", true, 0.5),
+                           sample_criterion("exact_disk", true, 0.49)};
+  passivity["counterexample"] = nullptr;
+  const auto html = report_as_html({passivity, sample_zwidth()});
+  EXPECT_EQ(html.find("The finding"), std::string::npos);
+  EXPECT_NE(html.find("Passive: with a wall"), std::string::npos);
+}
+
+TEST(Report, TellsATextbookThatIsTooStrictFromOneThatIsUnsafe) {
+  auto passivity = sample_passivity();
+  passivity["verdict"] = "passive";
+  passivity["criteria"] = {sample_criterion("frequency_dependent", false, 0.1),
+                           sample_criterion("exact_disk", true, 0.5)};
+  passivity["counterexample"] = nullptr;
+  const auto html = report_as_html({passivity});
+  EXPECT_NE(html.find("The textbook refuses walls"), std::string::npos);
+  EXPECT_EQ(html.find("too high"), std::string::npos);
+}
+
+TEST(Report, HasTheCriteriaTableAndTheEnergyLedgerWithItsResidual) {
+  const auto text = shown_text(report_as_html(all_samples()));
+  for (const char* part : {"Criterion", "Worst frequency", "reason of exact_disk", "13.1 Hz",
+                           "0.0658 N·m/rad", "Residual", "4.25×10⁻¹⁸ J", "−9×10⁻⁶ J"})
+    EXPECT_NE(text.find(part), std::string::npos) << part;
+}
+
+TEST(Report, EndsWithModelCommandLinesAndProgramVersion) {
+  const auto html = report_as_html(all_samples());
+  for (const char* part : {"gyrator simulate device.json --json", "gyrator 1.2.3",
+                           "&quot;schema&quot;: &quot;gyrator/model/1&quot;"})
+    EXPECT_NE(html.find(part), std::string::npos) << part;
+  // The same model in four results is shown once.
+  EXPECT_EQ(html.find("&quot;schema&quot;"), html.rfind("&quot;schema&quot;"));
+}
+
+TEST(Report, EscapesEveryTextOfTheUser) {
+  const std::string nasty = "<script>alert(1)</script> & \"q\" 'a' _{x}^2";
+  auto results = all_samples();
+  for (auto& result : results) {
+    result["model_name"] = nasty;
+    result["model"]["name"] = nasty;
+    result["command_line"] = nasty;
+    result["program"] = nasty;
+    result["units"]["stiffness"] = nasty;
+    result["units"]["position"] = nasty;
+  }
+  for (auto& criterion : results[0]["criteria"]) criterion["reason"] = nasty;
+  results[0]["criteria"].push_back(sample_criterion(nasty, true, 1));
+  results[0]["explanation"] = nasty;
+  results[0]["counterexample"]["simulation"]["classification"] = nasty;
+  results[1]["boundaries"][0]["criterion"] = nasty;
+  results[2]["classification"] = nasty;
+  const auto html = report_as_html(results);
+  EXPECT_EQ(html.find("<script"), std::string::npos);
+  EXPECT_NE(html.find("&lt;script"), std::string::npos);
+  std::istringstream stream(html);
+  boost::property_tree::ptree tree;
+  EXPECT_NO_THROW(boost::property_tree::read_xml(stream, tree));
+}
+
+TEST(Report, IdsOnThePageAreUnique) {
+  const auto html = report_as_html(all_samples());
+  static const std::regex id(R"(<[^>]* id=['"]([^'"]*)['"])");
+  std::set<std::string> seen;
+  for (std::sregex_iterator at(html.begin(), html.end(), id), end; at != end; ++at)
+    EXPECT_TRUE(seen.insert((*at)[1]).second) << (*at)[1];
+  EXPECT_GT(seen.size(), 50U);
+}
+
+TEST(Report, RefusesAnUnknownCommandAndListsTheKnownOnes) {
+  const ScratchFolder folder;
+  auto strange = sample_base("teleport");
+  try {
+    write_report({sample_simulate(), strange}, folder / "report.html");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::bad_input);
+    const std::string text = error.what();
+    EXPECT_NE(text.find("result 2 of 2"), std::string::npos) << text;
+    EXPECT_NE(text.find("\"teleport\""), std::string::npos) << text;
+    EXPECT_NE(text.find("impedance, passivity, simulate, zwidth"), std::string::npos) << text;
+  }
+  EXPECT_EQ(folder.count(), 0U) << "nothing may be left behind";
+}
+
+TEST(Report, NamesResultCommandAndKeyWhereAKeyIsMissing) {
+  auto simulate = sample_simulate();
+  simulate["energy"].erase("residual");
+  try {
+    report_as_html({simulate});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(),
+                 "report: result 1 of 1: simulate result: /energy: /residual: is missing");
+  }
+}
+
+TEST(Report, RefusesWhatIsNoResultAtAll) {
+  EXPECT_THROW(report_as_html({}), Error);
+  for (const json& junk : {json(3), json::array(), json::object(), json("text")})
+    EXPECT_THROW(report_as_html({junk}), Error) << junk;
+}
+
+TEST(Report, RefusesWrongKindsWithAnErrorRatherThanACrash) {
+  // Every member of every sample in turn becomes something else.
+  for (const auto& sample : all_samples())
+    for (const auto& [key, value] : sample.items())
+      for (const json& junk : {json(3), json("x"), json::array({json("x")}), json::object()}) {
+        if (key == "command") continue;
+        auto broken = sample;
+        broken[key] = junk;
+        try {
+          verdict_sentence(broken);
+          report_section(broken);
+          result_figure(broken);
+          finding_in_words(broken);
+        } catch (const Error&) {
+        } catch (const std::exception& error) {
+          ADD_FAILURE() << sample["command"] << " " << key << " = " << junk << ": " << error.what();
+        }
+      }
+}
+
+TEST(Report, IsWrittenWholeToItsFile) {
+  const ScratchFolder folder;
+  write_report({sample_simulate()}, folder / "report.html");
+  EXPECT_EQ(read_text(folder / "report.html"), report_as_html({sample_simulate()}));
+  EXPECT_EQ(folder.count(), 1U);
+}
+
+TEST(ResultFigures, EveryCommandHasOne) {
+  ASSERT_EQ(known_result_commands().size(), all_samples().size());
+  for (const auto& sample : all_samples()) EXPECT_FALSE(result_figure(sample).panels.empty());
+}
+
+TEST(ResultFigures, NegativeDampingIsShownApartAsItsMagnitude) {
+  const auto panel = impedance_figure(sample_impedance()).panels.at(0);
+  const auto* damping = find_curve(panel, "Re Z, effective damping");
+  const auto* active = find_curve(panel, "−Re Z where Re Z < 0 (active)");
+  ASSERT_TRUE(damping && active);
+  EXPECT_TRUE(std::isnan(damping->y[1]));
+  EXPECT_DOUBLE_EQ(active->y[1], 2e-4);
+  EXPECT_NE(active->colour, damping->colour);
+}
+
+TEST(ResultFigures, ThePhaseOfTheActuationPathDoesNotJump) {
+  auto result = sample_base("impedance");
+  std::vector<double> frequency;
+  std::vector<double> real;
+  std::vector<double> imag;
+  for (int i = 0; i < 100; ++i) {
+    frequency.push_back(1 + i);
+    real.push_back(std::cos(-0.1 * i));
+    imag.push_back(std::sin(-0.1 * i));
+  }
+  result["frequency_hz"] = frequency;
+  result["impedance_real"] = real;
+  result["impedance_imag"] = imag;
+  result["actuation_real"] = real;
+  result["actuation_imag"] = imag;
+  const auto phase = impedance_figure(result).panels.at(2).curves.at(0).y;
+  const double degrees = 180 / std::acos(-1.0);
+  EXPECT_NEAR(phase.back(), -9.9 * degrees, 1e-9);
+}
+
+TEST(ResultFigures, TheDiskPanelSaysOnWhichSideTheCriticalPointIs) {
+  auto result = sample_passivity();
+  const auto title = [&] { return passivity_figure(result).panels.at(2).title; };
+  EXPECT_NE(title().find("inside"), std::string::npos) << title();
+  result["disk"]["critical_imag"] = 1.0;  // beyond the rim at 0.2
+  EXPECT_NE(title().find("outside"), std::string::npos) << title();
+}
+
+TEST(ResultFigures, FrequenciesWhereTheExactDampingIsNegativeAreShaded) {
+  const auto panel = passivity_figure(sample_passivity()).panels.at(0);
+  const auto* shade = find_curve(panel, "fails here (exact)");
+  ASSERT_TRUE(shade);
+  EXPECT_TRUE(std::isfinite(shade->y[0]));
+  EXPECT_TRUE(std::isnan(shade->y[1]));
+  EXPECT_TRUE(std::isnan(shade->y[2]));
+}
+
+TEST(ResultFigures, AGrowingRunIsCutWhereALinearAxisCannotShowItsBeginning) {
+  auto result = sample_passivity();
+  auto& run = result["counterexample"]["simulation"];
+  std::vector<double> position;
+  for (int i = 0; i < 200; ++i) position.push_back(std::exp(0.5 * i));
+  run["position"] = position;
+  const auto shown = finding_figure(result, nullptr).panels.at(0).curves.at(0);
+  EXPECT_LT(shown.y.size(), 100U);
+  EXPECT_LE(shown.y.back(), 30 * std::exp(0.5 * 19));
+  EXPECT_EQ(shown.x.size(), shown.y.size());
+}
+
+TEST(ResultFigures, TheFindingShadesWhatTheTextbookWronglyCallsPassive) {
+  const auto figure = finding_figure(sample_passivity(), sample_zwidth());
+  ASSERT_EQ(figure.panels.size(), 2U);
+  const auto* band = find_curve(figure.panels[0], "passive by the textbook, yet not");
+  ASSERT_TRUE(band);
+  EXPECT_EQ(band->style, CurveStyle::band);
+  EXPECT_EQ(band->y, (std::vector<double>{0.55, 0.52, 0.49}));
+  EXPECT_EQ(band->y_low, (std::vector<double>{0.02, 0.06, 0.07}));
+  ASSERT_EQ(figure.panels[0].markers.size(), 3U);
+  EXPECT_EQ(figure.panels[0].markers[0].label, "this model, K = 0.4");
+  EXPECT_EQ(figure.panels[1].title, "A plain inertia of 3.6×10⁻³ kg·m² held in the hand: diverges");
+}
+
+TEST(ResultFigures, OperatorsAreNamedByWhatTheyAreMadeOf) {
+  auto result = sample_passivity();
+  auto& example = result["counterexample"];
+  EXPECT_EQ(operator_in_words(result), "a plain inertia of 3.6×10⁻³ kg·m² held in the hand");
+  example["stiffness"] = 2.0;
+  EXPECT_EQ(operator_in_words(result),
+            "an inertia of 3.6×10⁻³ kg·m² held by a spring of 2 N·m/rad");
+  example["inertia"] = 0;
+  EXPECT_EQ(operator_in_words(result), "a spring of 2 N·m/rad held against the handle");
+  example["resonators"] = {1, 2};
+  EXPECT_NE(operator_in_words(result).find("2 resonators"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace gyrator

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace gyrator {
+
+// Small results in the commands' shapes; the numbers are made up but plausible.
+
+inline nlohmann::json sample_base(const std::string& command) {
+  return {{"command", command},
+          {"program", "gyrator 1.2.3"},
+          {"model_name", "RC-damped display"},
+          {"model", {{"schema", "gyrator/model/1"}, {"name", "RC-damped display"}}},
+          {"command_line", "gyrator " + command + " device.json --json"},
+          {"units",
+           {{"damping", "N.m.s/rad"},
+            {"stiffness", "N.m/rad"},
+            {"position", "rad"},
+            {"velocity", "rad/s"},
+            {"effort", "N.m"}}}};
+}
+
+inline nlohmann::json sample_criterion(const std::string& name, bool holds, double limit) {
+  return {{"name", name},
+          {"applies", name == "exact_disk"},
+          {"holds", holds},
+          {"margin", holds ? 2e-5 : -3e-5},
+          {"worst_frequency_hz", 13.1},
+          {"max_stiffness", limit},
+          {"reason", "reason of " + name}};
+}
+
+/// At K = 0.4 the textbook (limit 0.5) and the exact disk (limit 0.0658) disagree.
+inline nlohmann::json sample_passivity() {
+  auto result = sample_base("passivity");
+  std::vector<double> time;
+  std::vector<double> position;
+  for (int i = 0; i < 200; ++i) {
+    time.push_back(0.01 * i);
+    position.push_back(0.01 * std::exp(0.02 * i) * std::sin(0.3 * i));
+  }
+  result["verdict"] = "not_passive";
+  result["stiffness"] = 0.4;
+  result["virtual_damping"] = 1.5e-4;
+  result["criteria"] = {sample_criterion("frequency_dependent", true, 0.5),
+                        sample_criterion("exact_disk", false, 0.0658)};
+  result["damping_over_frequency"] = {{"frequency_hz", {1, 10, 100, 499}},
+                                      {"physical", {1e-4, 2e-4, 4e-4, 4e-4}},
+                                      {"virtual", {-5e-5, -5e-5, -8e-5, -3e-4}},
+                                      {"total", {5e-5, 1.5e-4, 3.2e-4, 1e-4}},
+                                      {"exact", {-1e-6, nullptr, 3e-4, 9e-5}}};
+  result["disk"] = {{"frequency_hz", 13.1}, {"center_real", -2.9},   {"center_imag", -16.2},
+                    {"radius", 16.4},       {"critical_real", -2.5}, {"critical_imag", 0.08}};
+  result["counterexample"] = {{"inertia", 3.6e-3},
+                              {"stiffness", 0},
+                              {"resonators", nlohmann::json::array()},
+                              {"spectral_radius", 1.0087},
+                              {"frequency_hz", 1.7},
+                              {"simulation",
+                               {{"classification", "diverges"},
+                                {"time_s", time},
+                                {"position", position},
+                                {"command", position}}}};
+  return result;
+}
+
+inline nlohmann::json sample_zwidth() {
+  auto result = sample_base("zwidth");
+  const std::vector<double> damping = {0, 1e-4, 2e-4};
+  result["boundaries"] = {
+      {{"criterion", "spring_damper"}, {"damping", damping}, {"max_stiffness", {0.2, 0, 0}}},
+      {{"criterion", "frequency_dependent"},
+       {"damping", damping},
+       {"max_stiffness", {0.55, 0.52, 0.49}}},
+      {{"criterion", "exact_disk"}, {"damping", damping}, {"max_stiffness", {0.02, 0.06, 0.07}}}};
+  result["point"] = {{"damping", 1.5e-4}, {"stiffness", 0.4}};
+  return result;
+}
+
+inline nlohmann::json sample_simulate() {
+  auto result = sample_base("simulate");
+  result["classification"] = "settles";
+  result["final_time_s"] = 0.5;
+  result["steps"] = 500;
+  result["trace"] = {{"time_s", {0, 0.1, 0.2}},       {"position", {0, 0.01, -0.005}},
+                     {"velocity", {1, 0.5, -0.2}},    {"effort", {0, 0, 0}},
+                     {"command", {0, -0.004, 0.002}}, {"current", {0, -0.1, 0.05}}};
+  result["energy"] = {{"operator", 0.0},
+                      {"source", -1.5e-6},
+                      {"stored", -9e-6},
+                      {"dissipated", 7.5e-6},
+                      {"residual", 4.25e-18}};
+  return result;
+}
+
+inline nlohmann::json sample_impedance() {
+  auto result = sample_base("impedance");
+  result["frequency_hz"] = {1, 10, 100};
+  result["impedance_real"] = {1e-4, -2e-4, 3e-4};
+  result["impedance_imag"] = {1e-4, 1e-3, 1e-2};
+  result["actuation_real"] = {1, 0.9, 0.5};
+  result["actuation_imag"] = {0, -0.1, -0.5};
+  return result;
+}
+
+}  // namespace gyrator
