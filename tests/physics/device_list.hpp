@@ -45,8 +45,12 @@ struct NamedDevice {
   Device device;
 };
 
-/// Every kind of amplifier with every kind of damping that it can carry, then every kind of
-/// mechanics and sensor place: the list over which physical identities are tested.
+/// Every kind of amplifier with every kind of damping, then every kind of mechanics and sensor
+/// place: the list over which physical identities are tested.
+///
+/// Left out: damping under an ideal amplifier that senses the motor current. A step of the command
+/// is an impulse of voltage there, and the heat in the branch infinite. drive_test and
+/// energy_ledger_test look at it on their own.
 inline std::vector<NamedDevice> make_device_list() {
   const std::vector<std::pair<std::string, Amplifier>> amplifiers{
       {"ideal", IdealDrive{}},
@@ -69,6 +73,7 @@ inline std::vector<NamedDevice> make_device_list() {
   std::vector<NamedDevice> list{{"P3", make_p3()}};
   for (const auto& [amplifier_name, amplifier] : amplifiers) {
     for (const auto& [damping_name, damping] : dampings) {
+      if (amplifier_name == "current, motor sensed" && !damping.empty()) continue;  // see below
       Device device = make_rc_display();
       device.drive.amplifier = amplifier;
       device.drive.damping = damping;

@@ -133,7 +133,7 @@ class Run {
       engine_->advance(engine_->prepare(length.to_double()), now.to_double(), u_, state_);
       now = stop;
       if (now == edge && edge != start) {
-        record(now.to_double(), measured, command, next);
+        if (recording_) record(now.to_double(), measured, command, next);
         jump_to(next);
       }
       if (now < end && recording_) record(now.to_double(), measured, command, u_(0));

@@ -134,7 +134,11 @@ Plant build_plant(const DeviceNetwork& device) {
   const MatrixXd positions = (MatrixXd(2, n) << plant.sensor_position.state, plant.port_position.state).finished();
   // The smallest change of the state that gives both positions and leaves velocities alone: the
   // held-position rows have no part in velocity states, so a minimum-norm solution touches none.
-  plant.rest.col(0) = positions.completeOrthogonalDecomposition().solve(Eigen::Vector2d(1, 1));
+  const Eigen::Vector2d both(1, 1);
+  const auto decomposition = positions.completeOrthogonalDecomposition();
+  const VectorXd at_position = decomposition.solve(both);
+  // Refined once, so that a run starts at exactly the position that was asked for.
+  plant.rest.col(0) = at_position + decomposition.solve(both - positions * at_position);
   return plant;
 }
 

@@ -32,6 +32,7 @@ struct DiskPoint {
 
   /// D of (disk-3) for the law's response H at this frequency.
   double damping_margin(std::complex<double> law) const {
+    if (law == 0.0) return damping;  // the gap may be infinite
     return damping + 2 * std::real(law * scaled_center) + std::norm(law) * scaled_gap;
   }
 };

@@ -39,6 +39,7 @@ class Judge {
       v.extra_damping = find_extra_damping();
       if (search_counterexample) find_operator(v);
     }
+    show_disk(v);
     return v;
   }
 
@@ -63,7 +64,6 @@ class Judge {
     exact.margin = worst_.value;
     exact.worst_frequency_hz = worst_.omega / (2 * pi);
     v.worst_disk = limits_.disk().at(worst_.omega);
-    v.worst_law = law_at(worst_.omega);
 
     const auto& least = limits_.disk().least_damping();
     v.least_damping = least.value;
@@ -151,6 +151,21 @@ class Judge {
       (mended(middle) ? high : low) = middle;
     }
     return high;
+  }
+
+  void show_disk(Verdict& v) {
+    double omega = worst_.omega;
+    if (v.counterexample && v.counterexample->frequency_hz > 0) {
+      omega = 2 * pi * v.counterexample->frequency_hz;
+    } else {
+      double slowest = pi / period_;
+      for (const auto& pole : limits_.disk().model().poles()) {
+        if (std::abs(pole) > 0) slowest = std::min(slowest, std::abs(pole));
+      }
+      omega = std::max(omega, slowest);
+    }
+    v.shown_disk = limits_.disk().at(omega);
+    v.shown_law = law_at(omega);
   }
 
   // Frequencies where the disk is exceeded, thinned to a couple of dozen, the worst one first.

@@ -37,7 +37,10 @@ struct Verdict {
   double uncoupled_spectral_radius = 0;
   std::optional<double> extra_damping;  ///< smallest additional port damping that mends it; none if it cannot
   DiskPoint worst_disk;
-  std::complex<double> worst_law;  ///< H at the worst frequency
+  /// The disk and H where the picture says most: at the counterexample's frequency, else at the
+  /// worst one, but not below the slowest pole (towards zero frequency every disk is a half-plane).
+  DiskPoint shown_disk;
+  std::complex<double> shown_law;
   DampingCurves curves;
   std::optional<Counterexample> counterexample;
 };

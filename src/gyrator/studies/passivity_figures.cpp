@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -44,7 +45,7 @@ void choose_damping_range(Panel& panel) {
   for (const auto& curve : panel.curves)
     if (&curve != &panel.curves.back()) scale = std::max(scale, largest_magnitude(curve.y));
   for (const auto& curve : panel.curves)
-    include(curve.y, &curve == &panel.curves.back() && scale > 0 ? 2 * scale : INFINITY);
+    include(curve.y, &curve == &panel.curves.back() && scale > 0 ? 4 * scale : INFINITY);
   if (high <= low) return;
   panel.y_axis.min = low - 0.06 * (high - low);
   panel.y_axis.max = high + 0.06 * (high - low);
@@ -78,7 +79,10 @@ Panel damping_panel(const json& result, bool logarithmic) {
                   {"virtual, bᵥ", frequency, virtual_part, CurveStyle::line, Colour::orange},
                   {"sum (textbook)", frequency, total, CurveStyle::dashed, Colour::vermillion},
                   {"effective (exact)", frequency, exact, CurveStyle::line, Colour::blue}};
-  panel.lines = {{0, false, "active below zero"}};
+  panel.lines = {{0, false}};
+  // Far below the Nyquist frequency nothing happens any more.
+  if (logarithmic && !frequency.empty())
+    panel.x_axis.min = std::max(frequency.front(), 1e-4 * frequency.back());
   choose_damping_range(panel);
   mark_failures(panel, frequency, exact);
   return panel;
@@ -107,6 +111,34 @@ Panel disk_panel(const json& result, const Disk& disk, const std::string& title)
   return panel;
 }
 
+/// The rim near −1/H, seen along its tangent: at low frequency the disk is so large that only the
+/// height above the rim, on a scale of its own, tells the inside from the outside.
+Panel rim_panel(const json& result, const Disk& disk) {
+  const double height = disk.distance();
+  const double scale = std::max(std::abs(height), 1e-14 * disk.radius);
+  // As far to both sides as the rim takes to curve away by three times that height.
+  const double reach = std::min(std::sqrt(6 * disk.radius * scale), 0.9 * disk.radius);
+  Curve rim{"inside the disk", {}, {}, CurveStyle::band, Colour::blue};
+  for (int i = -60; i <= 60; ++i) {
+    const double along = reach * i / 60;
+    rim.x.push_back(along);
+    rim.y.push_back(-along * along /
+                    (disk.radius + std::sqrt(disk.radius * disk.radius - along * along)));
+    rim.y_low.push_back(-4 * scale);
+  }
+  Panel panel{fmt::format("Close-up: −1/H is {} {} the rim",
+                          pretty_quantity(std::abs(height), unit_of(result, "response"), 3),
+                          height <= 0 ? "inside" : "outside"),
+              {"along the rim", unit_of(result, "response")},
+              {"height above the rim", unit_of(result, "response")}};
+  panel.y_axis.min = -4 * scale;
+  panel.y_axis.max = 2.5 * scale;
+  Curve edge{"", rim.x, rim.y, CurveStyle::line, Colour::blue};
+  panel.curves = {rim, edge};
+  panel.markers = {{0, height, "−1/H", Colour::vermillion, MarkerShape::cross}};
+  return panel;
+}
+
 /// The whole disk and, where −1/H is too near the rim to see on which side it is, a close-up.
 std::vector<Panel> disk_panels(const json& result) {
   const std::string place = "passivity result: /disk";
@@ -114,21 +146,13 @@ std::vector<Panel> disk_panels(const json& result) {
   const auto number = [&](const char* key) { return required_number(object, key, place); };
   const Disk disk{number("center_real"), number("center_imag"), number("radius"),
                   number("critical_real"), number("critical_imag")};
-  const auto* const side = disk.distance() <= 0 ? "inside, fails" : "outside, holds";
-  std::vector<Panel> panels = {
-      disk_panel(result, disk,
-                 fmt::format("Loop responses at {} Hz: −1/H is {}",
-                             pretty_number(number("frequency_hz"), 3), side))};
-  const double distance = std::abs(disk.distance());
-  if (!(distance < 0.1 * disk.radius)) return panels;
-
-  Panel close = disk_panel(result, disk, fmt::format("Close-up: −1/H is {}", side));
-  const double half = 3 * std::max(distance, 1e-4 * disk.radius);
-  close.x_axis.min = disk.critical_x - half;
-  close.x_axis.max = disk.critical_x + half;
-  close.y_axis.min = disk.critical_y - half;
-  close.y_axis.max = disk.critical_y + half;
-  panels.push_back(close);
+  const double distance = disk.distance();
+  if (!std::isfinite(distance)) return {};  // an active device has no disk
+  std::vector<Panel> panels = {disk_panel(
+      result, disk,
+      fmt::format("Loop responses at {} Hz: −1/H is {}", pretty_number(number("frequency_hz"), 3),
+                  distance <= 0 ? "inside, fails" : "outside, holds"))};
+  if (std::abs(distance) < 0.1 * disk.radius) panels.push_back(rim_panel(result, disk));
   return panels;
 }
 
@@ -169,7 +193,7 @@ Panel counterexample_panel(const json& result) {
   Panel panel = counterexample_signal(result, "position", "position");
   const auto& run = result["counterexample"]["simulation"];
   auto words = operator_in_words(result);
-  words.front() = 'A';  // it begins with "a" or "an"
+  words.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(words.front())));
   const bool diverges = optional_text(run, "classification").starts_with("diverge");
   panel.title = words + (diverges ? ": diverges" : "");
   return panel;
@@ -203,6 +227,19 @@ struct Boundary {
   std::string criterion;
   Numbers damping;
   Numbers stiffness;
+  std::vector<bool> feasible;  ///< false where not even zero stiffness is allowed
+
+  /// The stiffness down to the axis, and no number beyond, where none is allowed.
+  Numbers drawn() const {
+    const auto allowed = [&](std::size_t i) { return i >= feasible.size() || feasible[i]; };
+    Numbers values = stiffness;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const bool next_to_allowed =
+          (i > 0 && allowed(i - 1)) || (i + 1 < values.size() && allowed(i + 1));
+      if (!allowed(i)) values[i] = next_to_allowed ? 0 : NAN;
+    }
+    return values;
+  }
 };
 
 std::vector<Boundary> boundaries_of(const json& zwidth) {
@@ -212,7 +249,11 @@ std::vector<Boundary> boundaries_of(const json& zwidth) {
     const auto place = fmt::format("zwidth result: /boundaries/{}", i);
     boundaries.push_back({optional_text(list[i], "criterion"),
                           required_numbers(list[i], "damping", place),
-                          required_numbers(list[i], "max_stiffness", place)});
+                          required_numbers(list[i], "max_stiffness", place),
+                          {}});
+    if (has(list[i], "feasible"))
+      for (const auto& flag : list[i]["feasible"])
+        boundaries.back().feasible.push_back(flag != json(false));
   }
   return boundaries;
 }
@@ -223,7 +264,7 @@ Panel boundary_panel(const json& result, const std::vector<Boundary>& boundaries
               {"stiffness K", unit_of(result, "stiffness")}};
   for (const auto& boundary : boundaries)
     panel.curves.push_back(
-        {criterion_title(boundary.criterion), boundary.damping, boundary.stiffness,
+        {criterion_title(boundary.criterion), boundary.damping, boundary.drawn(),
          boundary.criterion == "spring_damper" ? CurveStyle::dashed : CurveStyle::line,
          criterion_colour(boundary.criterion)});
   return panel;

@@ -62,11 +62,10 @@ struct Marker {
   MarkerShape shape = MarkerShape::dot;
 };
 
-/// A thin line right across the panel at one value of x (vertical) or y, with a text at its end.
+/// A thin line right across the panel at one value of x (vertical) or y.
 struct ReferenceLine {
   double value = 0;
   bool vertical = false;
-  std::string label = {};
 };
 
 struct Panel {

@@ -1,7 +1,6 @@
 #include "gyrator/studies/plot_labels.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -65,7 +64,8 @@ class Crowd {
     const int last = std::min(columns_ - 1, index(box.right - place_.left, columns_));
     for (int row = first_row; row <= last_row; ++row)
       for (int column = first; column <= last; ++column)
-        visit_cell(cells_[static_cast<std::size_t>(row * columns_ + column)]);
+        visit_cell(cells_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+                          static_cast<std::size_t>(column)]);
   }
 
   const PanelPlace& place_;
@@ -115,11 +115,46 @@ void add_curves(Crowd& crowd, const Panel& panel, const PanelView& view, const P
   }
 }
 
-/// The text's box where its middle is `distance` away from the marker's rim towards (dx, dy).
-Box box_beside(Pixel at, double width, double dx, double dy, double distance) {
-  const double x = at.x + dx * (0.5 * width + distance);
-  const double y = at.y + dy * (0.5 * text_height + distance);
-  return {x - 0.5 * width, x + 0.5 * width, y - 0.5 * text_height, y + 0.5 * text_height};
+struct Candidate {
+  Box box;
+  double detour = 0;  ///< what its distance from the marker costs
+};
+
+/// Places beside a marker, the reader's habit first: right of it, then around it, then farther.
+std::vector<Candidate> places_beside(Pixel at, double width) {
+  std::vector<Candidate> candidates;
+  for (const double distance : {9.0, 14.0, 20.0, 28.0, 40.0}) {
+    const auto add = [&](double x, double y) {
+      const Box box{x - 0.5 * width, x + 0.5 * width, y - 0.5 * text_height, y + 0.5 * text_height};
+      candidates.push_back({box, 0.4 * distance});
+    };
+    const double beside = 0.5 * width + distance;
+    const double above = 0.5 * text_height + distance - 4;
+    add(at.x + beside, at.y);
+    add(at.x - beside, at.y);
+    // Above or below, anywhere between its left and its right end over the marker.
+    for (const double side : {-1.0, 1.0}) {
+      add(at.x + beside - 6, at.y + side * (above - 2));
+      add(at.x - beside + 6, at.y + side * (above - 2));
+      for (const double part : {0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75})
+        add(at.x + part * 0.5 * width, at.y + side * above);
+    }
+  }
+  return candidates;
+}
+
+/// The first of the best; taken, so that no other text comes there.
+LabelSpot take_best(Crowd& crowd, const std::vector<Candidate>& candidates) {
+  Box best;
+  double best_cost = std::numeric_limits<double>::infinity();
+  for (const auto& candidate : candidates) {
+    const double cost = crowd.cost(candidate.box) + candidate.detour;
+    if (cost >= best_cost) continue;
+    best = candidate.box;
+    best_cost = cost;
+  }
+  crowd.add(best, 2);
+  return {best.left, 0.5 * (best.top + best.bottom)};
 }
 
 }  // namespace
@@ -128,37 +163,22 @@ std::vector<LabelSpot> place_labels(const Panel& panel, const PanelView& view,
                                     const PanelPlace& place) {
   Crowd crowd(place);
   add_curves(crowd, panel, view, place);
+  const auto shown = [&](const Marker& marker) {
+    return view.x.can_show(marker.x) && view.y.can_show(marker.y);
+  };
   for (const auto& marker : panel.markers) {
-    if (!view.x.can_show(marker.x) || !view.y.can_show(marker.y)) continue;
+    if (!shown(marker)) continue;
     const auto at = pixel_of(marker.x, marker.y, view, place);
     crowd.add({at.x - 5, at.x + 5, at.y - 5, at.y + 5}, 3);
   }
 
-  // The first is the reader's habit; the others only if something is in the way.
-  constexpr std::array<Pixel, 8> directions = {
-      {{1, 0}, {1, -1}, {1, 1}, {-1, 0}, {-1, -1}, {-1, 1}, {0, -1}, {0, 1}}};
   std::vector<LabelSpot> spots;
   for (const auto& marker : panel.markers) {
-    if (!view.x.can_show(marker.x) || !view.y.can_show(marker.y)) {
-      spots.emplace_back();
-      continue;
-    }
-    const auto at = pixel_of(marker.x, marker.y, view, place);
-    const double width = text_width(marker.label);
-    Box best;
-    double best_cost = std::numeric_limits<double>::infinity();
-    for (const double distance : {9.0, 16.0, 28.0})
-      for (const auto& direction : directions) {
-        const auto box = box_beside(at, width, direction.x, direction.y,
-                                    direction.x != 0 && direction.y != 0 ? distance - 6 : distance);
-        const double cost = crowd.cost(box) + 0.02 * distance;
-        if (cost < best_cost) {
-          best = box;
-          best_cost = cost;
-        }
-      }
-    crowd.add(best, 2);
-    spots.push_back({best.left, 0.5 * (best.top + best.bottom)});
+    const bool empty = marker.label.empty() || !shown(marker);
+    spots.push_back(empty
+                        ? LabelSpot{}
+                        : take_best(crowd, places_beside(pixel_of(marker.x, marker.y, view, place),
+                                                         text_width(marker.label))));
   }
   return spots;
 }

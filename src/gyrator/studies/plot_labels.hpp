@@ -15,7 +15,7 @@ struct LabelSpot {
 };
 
 /// For each of the panel's markers, the spot beside it at which its text crosses the fewest curves,
-/// markers and other texts, inside the frame.
+/// markers and other texts, inside the frame and near.
 std::vector<LabelSpot> place_labels(const Panel& panel, const PanelView& view,
                                     const PanelPlace& place);
 

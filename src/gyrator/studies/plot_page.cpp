@@ -126,7 +126,7 @@ double text_width(std::string_view text, double pixels) {
   const auto characters = std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
   });
-  return 0.58 * pixels * static_cast<double>(characters);
+  return 0.53 * pixels * static_cast<double>(characters);
 }
 
 std::string text_at(std::string_view text, double x, double y, const char* align,

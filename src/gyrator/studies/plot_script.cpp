@@ -205,15 +205,6 @@ void add_reference(Drawing& drawing, const ReferenceLine& line, const PanelView&
                         ? fmt::format("{0:.8g}, graph 0 to {0:.8g}, graph 1", at)
                         : fmt::format("graph 0, first {0:.8g} to graph 1, first {0:.8g}", at);
   drawing.settings += fmt::format("set arrow from {} nohead lw 1 lc rgb '#777777' back\n", ends);
-  if (line.label.empty()) return;
-  const bool flip = line.vertical ? fraction > 0.6 : fraction > 0.85;
-  const auto place = line.vertical
-                         ? fmt::format("{:.8g}, graph 0.95 {} offset character {},0", at,
-                                       flip ? "right" : "left", flip ? -0.7 : 0.7)
-                         : fmt::format("graph 0.985, first {:.8g} right offset character 0,{}", at,
-                                       flip ? -0.7 : 0.6);
-  drawing.settings += fmt::format("set label {} at {} noenhanced front tc rgb '#444444' {}\n",
-                                  quoted(line.label), place, font(12, drawing.page));
 }
 
 // ---- Panels and page --------------------------------------------------------------------------
@@ -246,7 +237,7 @@ std::string panel_script(const Panel& panel, const PanelPlace& place, const Page
   for (const auto& curve : panel.curves) add_curve(drawing, curve, view, place.width());
   for (const auto& line : panel.lines) add_reference(drawing, line, view);
   const auto spots = place_labels(panel, view, place);
-  for (std::size_t i = 0; i < spots.size(); ++i)
+  for (std::size_t i = 0; i < panel.markers.size(); ++i)
     add_marker(drawing, panel.markers[i], spots[i], view);
   blocks = drawing.blocks;
 

@@ -49,7 +49,7 @@ std::string criteria_table(const json& result) {
         {{criterion_title(optional_text(criterion, "name"))},
          answer(criterion, "applies", false),
          answer(criterion, "holds", optional_flag(criterion, "applies", true)),
-         number(optional_number(criterion, "margin")),
+         number(optional_number(criterion, "margin"), unit_of(result, "damping")),
          number(optional_number(criterion, "worst_frequency_hz"), "Hz"),
          number(optional_number(criterion, "max_stiffness"), unit_of(result, "stiffness")),
          {optional_text(criterion, "reason")}});
@@ -140,13 +140,17 @@ std::string ledger_table(const json& result) {
     return std::vector<HtmlCell>{
         {name}, number(required_number(energy, key, "simulate result: /energy"), unit)};
   };
+  // operator + source = (stored - stored at the start) + dissipated + residual
+  const double change =
+      required_number(energy, "stored", "simulate result: /energy") -
+      (has(energy, "stored_initially") ? optional_number(energy, "stored_initially") : 0.0);
   return "<h3>Energy ledger</h3>\n" +
-         html_table(
-             {"Energy over the run", "Amount"},
-             {row("Work of the operator on the device", "operator"),
-              row("Work of the amplifier", "source"), row("Change of what is stored", "stored"),
-              row("Turned into heat", "dissipated"),
-              row("Residual: the two works less the rest", "residual")}) +
+         html_table({"Energy over the run", "Amount"},
+                    {row("Work of the operator on the device", "operator"),
+                     row("Work of the amplifier", "source"),
+                     {{"Change of what is stored"}, number(change, unit)},
+                     row("Turned into heat", "dissipated"),
+                     row("Residual: the two works less the rest", "residual")}) +
          html_paragraph(
              "The residual is what the books do not explain; it is the size of the integrator's "
              "error and should be far below the other amounts.");

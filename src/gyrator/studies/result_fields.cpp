@@ -152,7 +152,7 @@ std::string operator_in_words(const json& passivity) {
   } else if (elastic) {
     words = spring_text + " held against the handle";
   } else {
-    words = "a lossless operator";
+    words = resonators > 0 ? "a lossless operator" : "the handle let go, nothing attached";
   }
   if (resonators == 1) words += ", with one resonator hung on it";
   if (resonators > 1) words += ", with " + std::to_string(resonators) + " resonators hung on it";

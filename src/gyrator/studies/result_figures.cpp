@@ -78,7 +78,8 @@ Panel energy_panel(const json& result) {
   const std::string place = "simulate result: /energy_trace";
   const auto& trace = result["energy_trace"];
   const auto time = required_numbers(trace, "time_s", place);
-  auto panel = time_panel(result, "Energy since the start", "energy", "energy");
+  auto panel =
+      time_panel(result, "Energy: exchanged since the start, and stored", "energy", "energy");
   const auto add = [&](const std::string& key, const std::string& title, Colour colour) {
     panel.curves.push_back(
         {title, time, required_numbers(trace, key, place), CurveStyle::line, colour});

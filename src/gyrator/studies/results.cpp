@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include "gyrator/core/error.hpp"
+#include "gyrator/core/interrupt.hpp"
 #include "gyrator/passivity/port_response.hpp"
 #include "gyrator/studies/progress.hpp"
 #include "gyrator/version.hpp"
@@ -43,8 +44,8 @@ json criterion_json(const CriterionResult& c) {
 }
 
 json disk_json(const Verdict& v) {
-  const DiskPoint& d = v.worst_disk;
-  const std::complex<double> critical = -1.0 / v.worst_law;
+  const DiskPoint& d = v.shown_disk;
+  const std::complex<double> critical = -1.0 / v.shown_law;
   return {{"frequency_hz", d.omega / (2 * std::numbers::pi)},
           {"center_real", finite_or_null(d.center.real())},
           {"center_imag", finite_or_null(d.center.imag())},
@@ -144,7 +145,7 @@ json make_passivity_result(const Model& model, const PassivityRequest& request) 
                                       {"virtual", v.curves.virtual_damping},
                                       {"total", v.curves.total},
                                       {"exact", v.curves.exact}};
-  if (std::abs(v.worst_law) > 0) result["disk"] = disk_json(v);
+  if (std::abs(v.shown_law) > 0) result["disk"] = disk_json(v);
   result["counterexample"] =
       v.counterexample ? counterexample_json(model, *v.counterexample, request.simulate_counterexample) : json(nullptr);
   return result;
@@ -182,6 +183,7 @@ json make_zwidth_result(const Model& model, const ZwidthRequest& request) {
     json feasible = json::array();
     json frequency = json::array();
     for (const double damping : request.damping) {
+      throw_if_interrupted("zwidth");
       const StiffnessLimit limit = limits.find(criterion, damping);
       stiffness.push_back(finite_or_null(limit.stiffness));
       feasible.push_back(limit.feasible);

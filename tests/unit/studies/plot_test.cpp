@@ -2,6 +2,8 @@
 
 #include "gyrator/core/error.hpp"
 #include "gyrator/studies/plot_axes.hpp"
+#include "gyrator/studies/plot_labels.hpp"
+#include "gyrator/studies/plot_page.hpp"
 #include "gyrator/studies/plot_script.hpp"
 #include "gyrator/studies/result_text.hpp"
 
@@ -33,7 +35,7 @@ Figure make_figure() {
   panel.curves = {{"handle", {0, 1, 2, 3}, {0, 1, 0, -1}},
                   {"command", {0, 1, 2, 3}, {1, 0, 1, 0}, CurveStyle::steps, Colour::orange}};
   panel.markers = {{1, 1, "a marked point"}};
-  panel.lines = {{0, false, "zero"}};
+  panel.lines = {{0, false}};
   return {"A figure", {panel}};
 }
 
@@ -49,8 +51,8 @@ std::multiset<std::string> ids_of(const std::string& svg) {
 TEST(Plot, AnSvgIsWellFormedAndHasAllItsTexts) {
   const auto svg = figure_as_svg(make_figure());
   EXPECT_NO_THROW(parse_xml(svg));
-  for (const char* text : {"A figure", "Run", "handle", "command", "a marked point", "zero",
-                           "time [s]", "position [rad]"})
+  for (const char* text :
+       {"A figure", "Run", "handle", "command", "a marked point", "time [s]", "position [rad]"})
     EXPECT_NE(svg.find(text), std::string::npos) << text;
 }
 
@@ -101,7 +103,6 @@ TEST(Plot, MarkupAndCommandsInTextsStayText) {
   figure.panels[0].y_axis.unit = nasty;
   figure.panels[0].curves[0].title = nasty;
   figure.panels[0].markers[0].label = nasty;
-  figure.panels[0].lines[0].label = nasty;
   const auto svg = figure_as_svg(figure);
   EXPECT_NO_THROW(parse_xml(svg));
   EXPECT_EQ(svg.find("<script"), std::string::npos);
@@ -263,6 +264,33 @@ TEST(PlotAxes, ALogarithmicAxisShowsTwoDecadesAndIgnoresRoundingErrorsNearZero) 
   panel.curves[0].y[0] = 1e-40;
   view = view_of(panel, 400, 300);
   EXPECT_GT(view.y.low, 1e-12);
+}
+
+TEST(PlotLabels, TheTextOfAMarkerKeepsClearOfCurvesAndOtherTexts) {
+  // Both markers lie on a curve that rises through them: right of them is the curve's place.
+  Panel panel{"", {"x"}, {"y"}};
+  panel.curves = {{"", {0, 10}, {0, 10}}};
+  panel.markers = {{4, 4, "a text of some length"}, {4.2, 4.2, "another such text"}};
+  PanelPlace place;
+  place.right = 500;
+  place.bottom = 300;
+  const auto view = view_of(panel, place.width(), place.height());
+  const auto spots = place_labels(panel, view, place);
+  ASSERT_EQ(spots.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double right = spots[i].left + text_width(panel.markers[i].label);
+    EXPECT_GE(spots[i].left, 0);
+    EXPECT_LE(right, 500);
+    // The curve's height in pixels over both ends of the text: the text is all above or below.
+    const auto curve_at = [&](double x) { return 300 * (1 - view.y.fraction(10 * x / 500)); };
+    const bool below = spots[i].middle - 8 > curve_at(spots[i].left);
+    const bool above = spots[i].middle + 8 < curve_at(right);
+    EXPECT_TRUE(above || below) << spots[i].left << " " << spots[i].middle;
+  }
+  const double apart = std::abs(spots[0].middle - spots[1].middle);
+  const bool side_by_side = spots[0].left + text_width(panel.markers[0].label) <= spots[1].left ||
+                            spots[1].left + text_width(panel.markers[1].label) <= spots[0].left;
+  EXPECT_TRUE(apart >= 16 || side_by_side);
 }
 
 TEST(ResultText, NumbersAreShownToSensibleDigits) {

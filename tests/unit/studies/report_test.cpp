@@ -98,6 +98,13 @@ TEST(Report, HasTheCriteriaTableAndTheEnergyLedgerWithItsResidual) {
     EXPECT_NE(text.find(part), std::string::npos) << part;
 }
 
+TEST(Report, TheLedgerTakesTheEnergyStoredAtTheStartOff) {
+  auto simulate = sample_simulate();
+  simulate["energy"]["stored"] = 1e-6;
+  simulate["energy"]["stored_initially"] = 3.5e-6;
+  EXPECT_NE(report_as_html({simulate}).find("−2.5×10⁻⁶ J"), std::string::npos);
+}
+
 TEST(Report, EndsWithModelCommandLinesAndProgramVersion) {
   const auto html = report_as_html(all_samples());
   for (const char* part : {"gyrator simulate device.json --json", "gyrator 1.2.3",
@@ -245,6 +252,34 @@ TEST(ResultFigures, TheDiskPanelSaysOnWhichSideTheCriticalPointIs) {
   EXPECT_NE(title().find("outside"), std::string::npos) << title();
 }
 
+TEST(ResultFigures, TheCloseUpShowsTheCriticalPointOnItsSideOfTheRimHoweverLargeTheDisk) {
+  auto result = sample_passivity();
+  // Of the RC-damped display at 6e-5 Hz: inside by 3.2e-6, the disk 1e13 times as large.
+  result["disk"] = {{"frequency_hz", 6.163e-5},
+                    {"center_real", -18.999999997249418},
+                    {"center_imag", -12911167.831259638},
+                    {"radius", 12911167.831273627},
+                    {"critical_real", -2.4999999999998765},
+                    {"critical_imag", 3.6305778537429394e-07}};
+  const auto panel = passivity_figure(result).panels.at(3);
+  EXPECT_EQ(panel.title.find("Close-up: −1/H is 3."), 0U) << panel.title;
+  EXPECT_NE(panel.title.find("inside the rim"), std::string::npos) << panel.title;
+  const auto& rim = panel.curves.at(0);
+  const double height = panel.markers.at(0).y;
+  EXPECT_LT(height, 0);
+  EXPECT_DOUBLE_EQ(rim.y.at(60), 0);                       // the foot of the critical point
+  EXPECT_NEAR(rim.y.front(), 3 * height, 1e-2 * -height);  // the rim curves away in sight
+}
+
+TEST(ResultFigures, ABoundaryEndsWhereNoStiffnessIsAllowed) {
+  auto result = sample_zwidth();
+  result["boundaries"][0]["feasible"] = {true, false, false};
+  const auto curve = zwidth_figure(result).panels.at(0).curves.at(0);
+  EXPECT_EQ(curve.y[0], 0.2);
+  EXPECT_EQ(curve.y[1], 0);  // down to the axis
+  EXPECT_TRUE(std::isnan(curve.y[2]));
+}
+
 TEST(ResultFigures, FrequenciesWhereTheExactDampingIsNegativeAreShaded) {
   const auto panel = passivity_figure(sample_passivity()).panels.at(0);
   const auto* shade = find_curve(panel, "fails here (exact)");
@@ -288,6 +323,9 @@ TEST(ResultFigures, OperatorsAreNamedByWhatTheyAreMadeOf) {
             "an inertia of 3.6×10⁻³ kg·m² held by a spring of 2 N·m/rad");
   example["inertia"] = 0;
   EXPECT_EQ(operator_in_words(result), "a spring of 2 N·m/rad held against the handle");
+  example["stiffness"] = 0;
+  EXPECT_EQ(operator_in_words(result), "the handle let go, nothing attached");
+  EXPECT_TRUE(passivity_figure(result).panels.at(4).title.starts_with("The handle let go"));
   example["resonators"] = {1, 2};
   EXPECT_NE(operator_in_words(result).find("2 resonators"), std::string::npos);
 }

@@ -1,0 +1,155 @@
+"""Files that a command writes: whole or not at all, also when the user presses Ctrl-C."""
+import os
+import stat
+import unittest
+
+from program import EXAMPLES, MODEL_COMMANDS, RC_DISPLAY, ProgramTest, load_example, with_value
+
+ENDLESS = {  # commands that would work for minutes
+    "simulate, exact": ["simulate", RC_DISPLAY, "--duration", "1e6 s"],
+    "simulate, cvode": ["simulate", RC_DISPLAY, "--duration", "1e4 s", "--engine", "cvode"],
+    "simulate, odeint": ["simulate", RC_DISPLAY, "--duration", "1e4 s", "--engine", "odeint"],
+    "simulate, trace step": ["simulate", RC_DISPLAY, "--duration", "1e3 s", "--trace-step", "1 us"],
+}
+
+
+class OutputTest(ProgramTest):
+
+    def test_a_path_that_cannot_be_written_is_refused_and_leaves_nothing(self):
+        self.write_model(load_example())
+        for option, ending in (("-o", "json"), ("--csv", "csv"), ("--svg", "svg"), ("--png", "png")):
+            for place in ("missing/out.", "model.json/out."):  # no such folder; a file is no folder
+                answer = self.run_program("impedance", "model.json", "--points", "5", option, place + ending)
+                with self.subTest(option=option, place=place):
+                    self.assert_refused(answer, place + ending, "cannot be written")
+                    self.assertEqual(self.files(), ["model.json"])
+
+    def test_a_folder_is_not_written_over(self):
+        (self.folder / "out.csv").mkdir()
+        for arguments in (["impedance", RC_DISPLAY, "--csv", "out.csv"], ["impedance", RC_DISPLAY, "-o", "out.csv"]):
+            self.assert_refused(self.run_program(*arguments), "out.csv", "directory")
+        self.assertEqual(self.files(), ["out.csv"])
+
+    def test_a_path_that_cannot_be_written_is_told_before_the_work(self):
+        answer = self.run_program("zwidth", RC_DISPLAY, "--points", "300000", "-o", "missing/out.json", timeout=2.5)
+        self.assert_refused(answer, "missing/out.json")
+
+    def test_a_plot_of_another_type_is_refused_by_its_ending(self):
+        for option, name, ending in (("--svg", "z.png", ".svg"), ("--png", "z.svg", ".png"),
+                                     ("--png", "z.pdf", ".png"), ("--svg", "z", ".svg")):
+            for command in MODEL_COMMANDS:
+                answer = self.run_program(command, RC_DISPLAY, option, name)
+                with self.subTest(command=command, option=option, name=name):
+                    self.assert_refused(answer, option, name, f"must end in {ending}")
+        self.assertEqual(self.files(), [])
+
+    def test_a_disk_that_is_full_is_an_error(self):
+        for option in ("-o", "--csv"):
+            self.assert_refused(self.run_program("impedance", RC_DISPLAY, "--quiet", option, "/dev/full"), "/dev/full")
+
+    def test_a_stdout_that_is_full_is_an_error(self):
+        for arguments in (["impedance", RC_DISPLAY], ["impedance", RC_DISPLAY, "--json"], ["schema"]):
+            with open("/dev/full", "wb") as full:
+                answer = self.run_program(*arguments, stdout=full)
+            with self.subTest(arguments=arguments):
+                self.assert_refused(answer, "stdout")
+
+    def test_a_missing_gnuplot_is_named_and_leaves_no_plot(self):
+        answer = self.run_program("impedance", RC_DISPLAY, "--svg", "z.svg",
+                                  environment={**os.environ, "PATH": str(self.folder)})
+        self.assert_refused(answer, "gnuplot", "not installed")
+        self.assertEqual(self.files(), [])
+
+    def test_a_model_is_never_written_over_by_its_own_result(self):
+        for option in ("-o", "--csv"):
+            name = self.write_model(load_example())
+            before = (self.folder / name).read_text()
+            self.run_program("impedance", name, "--points", "5", option, name)
+            with self.subTest(option=option):
+                self.assertEqual((self.folder / name).read_text(), before)
+
+    def test_two_outputs_of_one_name_are_refused(self):
+        answer = self.run_program("impedance", RC_DISPLAY, "--points", "5", "--csv", "out", "-o", "out")
+        self.assert_refused(answer, "out")
+
+    def test_a_failed_run_keeps_the_file_of_the_last_one(self):
+        (self.folder / "trace.csv").write_text("the last run\n")
+        answer = self.run_program("simulate", RC_DISPLAY, "--engine", "cvode", "--max-steps", "1", "--csv",
+                                  "trace.csv")
+        self.assertEqual(answer.code, 3, answer)
+        self.assertEqual((self.folder / "trace.csv").read_text(), "the last run\n")
+        self.assertEqual(self.files(), ["trace.csv"])
+
+    def test_a_new_result_replaces_the_old_and_keeps_its_permissions(self):
+        kept = self.folder / "result.json"
+        kept.write_text("old " * 100000)
+        kept.chmod(0o640)
+        self.ask("impedance", RC_DISPLAY, "--points", "5", "-o", "result.json")
+        self.assertTrue(kept.read_text().startswith("{"))
+        self.assertEqual(stat.S_IMODE(kept.stat().st_mode), 0o640)
+        self.assertEqual(self.files(), ["result.json"])
+
+    def test_a_link_stays_a_link(self):
+        (self.folder / "kept.csv").write_text("old")
+        (self.folder / "latest.csv").symlink_to("kept.csv")
+        self.ask("impedance", RC_DISPLAY, "--points", "5", "--csv", "latest.csv")
+        self.assertTrue((self.folder / "latest.csv").is_symlink())
+        self.assertIn("frequency_hz", (self.folder / "kept.csv").read_text())
+
+    def test_a_reader_that_leaves_early_leaves_no_complaint_behind(self):
+        read, write = os.pipe()
+        os.close(read)
+        with os.fdopen(write, "wb") as pipe:
+            answer = self.run_program("impedance", RC_DISPLAY, "--points", "20000", "--json", stdout=pipe)
+        self.assertNotIn("internal error", answer.err)
+        self.assertNotEqual(answer.code, 0)
+
+    def test_a_report_that_cannot_be_written_is_refused_and_leaves_nothing(self):
+        self.run_program("impedance", RC_DISPLAY, "--points", "5", "-o", "z.json", "--quiet")
+        self.assert_refused(self.run_program("report", "z.json", "-o", "missing/r.html"), "missing/r.html",
+                            "cannot be written")
+        self.assert_refused(self.run_program("report", "z.json", "--finding", "f.pdf", "-o", "r.html"), "f.pdf",
+                            ".svg or .png")
+        self.assertEqual(self.files(), ["z.json"])
+
+
+class InterruptTest(ProgramTest):
+    """Ctrl-C: exit 130 within a second, and no half-written file."""
+
+    def press(self, arguments, after_s=0.4):
+        (self.folder / "old.csv").write_text("the last run\n")
+        answer = self.interrupt(*arguments, "--csv", "old.csv", "-o", "new.json", after_s=after_s)
+        self.assertEqual(answer.code, 130, answer)
+        self.assertEqual(answer.out, "")
+        self.assertIn("interrupted", answer.err)
+        self.assertEqual((self.folder / "old.csv").read_text(), "the last run\n")
+        self.assertEqual(self.files(), ["old.csv"])
+        return answer
+
+    def test_a_simulation_stops_and_says_how_far_it_came(self):
+        for title, arguments in ENDLESS.items():
+            with self.subTest(title):
+                self.assertRegex(self.press(arguments).err, r"t = [0-9.e+-]+ s: interrupted")
+
+    def test_a_large_zwidth_stops(self):
+        self.press(["zwidth", RC_DISPLAY, "--points", "300000"])
+
+    def test_a_large_zwidth_of_coupled_loops_stops(self):
+        self.press(["zwidth", EXAMPLES / "re35_rc_display.json", "--criterion", "coupled", "--from", "0", "--to",
+                    "1e-3", "--points", "300000"])
+
+    def test_a_large_impedance_stops(self):
+        self.press(["impedance", RC_DISPLAY, "--points", "1000000"])
+
+    def test_a_verdict_over_a_long_delay_stops(self):
+        name = self.write_model(with_value(load_example(), "/sampling/delay", "1 s"), "old.csv.json")
+        with open(self.folder / name) as file:
+            model = file.read()
+        answer = self.interrupt("passivity", name, "-o", "new.json")
+        self.assertEqual(answer.code, 130, answer)
+        self.assertEqual(self.files(), [name])
+        self.assertEqual((self.folder / name).read_text(), model)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,176 @@
+#include "gyrator/cosim/engine.hpp"
+#include "gyrator/cosim/simulation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "../physics/device_list.hpp"
+
+// One contract for every engine: whatever moves the plant, the run is the same.
+
+namespace gyrator {
+namespace {
+
+struct Scenario {
+  std::string name;
+  VirtualWall wall;
+  Rational delay_in_periods;
+  Sensor sensor;
+  double position, velocity, external_effort;
+};
+
+// Stiffness and effort that give the device a motion of some 10 Hz, in its own units.
+std::vector<Scenario> make_scenarios(const Device& device) {
+  const double J = device.mechanics.inertia;
+  const double K = 4000 * J, B = 5 * J;  // 63 rad/s
+  const VelocityEstimator filtered = FilteredDifferenceEstimator{120};
+  const VirtualWall plain{.stiffness = K};
+  const VirtualWall damped{.stiffness = K, .damping = B, .velocity = filtered};
+  VirtualWall floor{.stiffness = 4 * K, .damping = B};
+  floor.unilateral = true;
+  return {
+      {"spring", plain, 0, {}, 0, 1, 0},
+      {"spring let go at rest", plain, 0, {}, 0.02, 0, 0},
+      {"pushed from rest", plain, 0, {}, 0, 0, 50 * J},
+      {"tiny motion from rest", plain, 0, {}, 0, 0, 5e-5 * J},
+      {"spring and filtered damper, 0.3 periods late", damped, Rational(3, 10), {}, 0.01, 0.5, 0},
+      {"exactly one period late", damped, 1, {}, 0.01, 0.5, 0},
+      {"1.5 periods late", plain, Rational(3, 2), {}, 0, 1, 0},
+      {"4.9 periods late", plain, Rational(49, 10), {}, 0, 1, 0},
+      // Half a quantum of offset: no sample lies on an edge, where rounding would decide.
+      {"quantized sensor", damped, Rational(1, 4), {.quantum = 1e-3, .offset = 5e-4}, 0, 1, 0},
+      {"unilateral wall", floor, Rational(1, 2), {}, -0.01, 1, 0},
+  };
+}
+
+TimeRun run(const Plant& plant, const Scenario& scenario, EngineKind engine) {
+  const Rational period(1, 1000);
+  SimulationOptions options;
+  options.duration = Rational(60) * period;
+  options.initial_position = scenario.position;
+  options.initial_velocity = scenario.velocity;
+  options.external_effort = scenario.external_effort;
+  options.engine = engine;
+  return simulate(plant, scenario.sensor, scenario.wall,
+                  {period, scenario.delay_in_periods * period}, options);
+}
+
+double find_largest(const std::vector<double>& column) {
+  double largest = 0;
+  for (const double value : column) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
+// What the engines promise of each other: a millionth of the largest position and velocity. The
+// tolerance of cvode and odeint is 1e-9 a step, over 60 periods of some ten steps.
+constexpr double agreement = 1e-6;
+
+class EngineContract : public ::testing::TestWithParam<EngineKind> {};
+
+TEST_P(EngineContract, runs_as_the_exact_engine_does) {
+  for (const auto& [name, device] : testing::make_device_list()) {
+    const Plant plant = build_plant(build_device_network(device, FreeOperator{}));
+    for (const Scenario& scenario : make_scenarios(device)) {
+      const TimeRun exact = run(plant, scenario, EngineKind::exact);
+      const TimeRun other = run(plant, scenario, GetParam());
+      ASSERT_EQ(other.trace.names, exact.trace.names);
+      for (const char* column : {"position", "velocity"}) {
+        const auto& expected = exact.trace.column(column);
+        const auto& found = other.trace.column(column);
+        ASSERT_EQ(found.size(), expected.size());
+        double worst = 0;
+        for (std::size_t k = 0; k < found.size(); ++k) {
+          worst = std::max(worst, std::abs(found[k] - expected[k]));
+        }
+        EXPECT_LE(worst, agreement * find_largest(expected))
+            << name << "; " << scenario.name << ": " << column << ", off by "
+            << worst / find_largest(expected);
+      }
+    }
+  }
+}
+
+TEST_P(EngineContract, books_the_same_energies) {
+  for (const auto& [name, device] : testing::make_device_list()) {
+    const Plant plant = build_plant(build_device_network(device, FreeOperator{}));
+    for (const Scenario& scenario : make_scenarios(device)) {
+      const EnergyLedger exact = run(plant, scenario, EngineKind::exact).energy;
+      const EnergyLedger other = run(plant, scenario, GetParam()).energy;
+      const double largest = std::max({std::abs(exact.operator_work), std::abs(exact.source),
+                                       exact.stored, exact.stored_initially, exact.dissipated});
+      // Twice the agreement: an energy is a square.
+      const double known_to = 2 * agreement * largest;
+      const std::string where = name + "; " + scenario.name;
+      EXPECT_NEAR(other.operator_work, exact.operator_work, known_to) << where;
+      EXPECT_NEAR(other.source, exact.source, known_to) << where;
+      EXPECT_NEAR(other.stored, exact.stored, known_to) << where;
+      EXPECT_NEAR(other.dissipated, exact.dissipated, known_to) << where;
+    }
+  }
+}
+
+TEST_P(EngineContract, moves_nothing_in_no_time) {
+  const Plant plant = build_plant(build_device_network(testing::make_rc_display(), FreeOperator{}));
+  const auto engine = make_engine(GetParam(), plant, {});
+  const int nothing = engine->prepare(0);
+  PlantState state;
+  state.xi = plant.initial_state(0.1, 2);
+  engine->advance(nothing, 0, {0.3, -0.1}, state);
+  EXPECT_LE((state.xi - plant.initial_state(0.1, 2)).norm(), 1e-15);
+  EXPECT_EQ(state.dissipated, 0);
+  EXPECT_EQ(state.source_work, 0);
+}
+
+TEST_P(EngineContract, keeps_every_announced_segment_apart) {
+  const Plant plant = build_plant(build_device_network(testing::make_p3(), FreeOperator{}));
+  const auto engine = make_engine(GetParam(), plant, {});
+  const int half = engine->prepare(0.5e-3);
+  const int whole = engine->prepare(1e-3);
+  PlantState once;
+  once.xi = plant.initial_state(0, 1);
+  PlantState twice = once;
+  const Eigen::Vector2d u(0.2, -0.7);
+  engine->advance(whole, 0, u, once);
+  engine->advance(half, 0, u, twice);
+  engine->advance(half, 0.5e-3, u, twice);
+  EXPECT_LE((once.xi - twice.xi).norm(), 1e-8 * once.xi.norm());  // some steps of 1e-9
+  EXPECT_NEAR(twice.dissipated / once.dissipated, 1, 1e-7);
+}
+
+TEST_P(EngineContract, without_a_ledger_books_nothing_and_moves_alike) {
+  const Plant plant = build_plant(build_device_network(testing::make_rc_display(), FreeOperator{}));
+  const auto with = make_engine(GetParam(), plant, {});
+  const auto without = make_engine(GetParam(), plant, {.ledger = false});
+  PlantState booked;
+  booked.xi = plant.initial_state(0, 1);
+  PlantState unbooked = booked;
+  with->advance(with->prepare(1e-3), 0, {0.01, 0}, booked);
+  without->advance(without->prepare(1e-3), 0, {0.01, 0}, unbooked);
+  EXPECT_EQ(unbooked.dissipated, 0);
+  EXPECT_EQ(unbooked.source_work, 0);
+  EXPECT_GT(booked.dissipated, 0);
+  EXPECT_LE((booked.xi - unbooked.xi).norm(), 1e-7 * booked.xi.norm());
+}
+
+std::string name_engine(const ::testing::TestParamInfo<EngineKind>& engine) {
+  switch (engine.param) {
+    case EngineKind::cvode:
+      return "cvode";
+    case EngineKind::odeint:
+      return "odeint";
+    case EngineKind::exact:
+      break;
+  }
+  return "exact";
+}
+INSTANTIATE_TEST_SUITE_P(All, EngineContract,
+                         ::testing::Values(EngineKind::exact, EngineKind::cvode,
+                                           EngineKind::odeint),
+                         name_engine);
+
+}  // namespace
+}  // namespace gyrator

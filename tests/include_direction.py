@@ -1,0 +1,23 @@
+"""A room includes only rooms below it. This table is the diagram of the house."""
+import pathlib, re, sys
+
+MAY_INCLUDE = {
+    "core": set(),
+    "circuits": {"core"},
+    "controllers": {"core"},
+    "mechanics": {"core", "circuits"},
+    "cosim": {"core", "circuits", "controllers", "mechanics"},
+    "passivity": {"core", "circuits", "controllers", "mechanics", "cosim"},
+    "studies": {"core", "circuits", "controllers", "mechanics", "cosim", "passivity"},
+    "app": {"core", "studies"},
+}
+root = pathlib.Path(__file__).resolve().parent.parent / "src" / "gyrator"
+wrong = []
+for room in sorted(p for p in root.iterdir() if p.is_dir()):
+    for path in sorted(room.glob("*.[ch]pp")):
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            match = re.match(r'#include "gyrator/(\w+)/', line)
+            if match and match[1] not in MAY_INCLUDE[room.name] | {room.name}:
+                wrong.append(f"{path.relative_to(root)}:{number}: {room.name} must not include {match[1]}")
+print("\n".join(wrong) or "every include points downwards")
+sys.exit(bool(wrong))
