@@ -8,8 +8,10 @@ MAY_INCLUDE = {
     "mechanics": {"core", "circuits"},
     "cosim": {"core", "circuits", "controllers", "mechanics"},
     "passivity": {"core", "circuits", "controllers", "mechanics", "cosim"},
-    "studies": {"core", "circuits", "controllers", "mechanics", "cosim", "passivity"},
-    "app": {"core", "studies"},
+    "documents": {"core"},
+    "plots": {"core", "documents"},
+    "studies": {"core", "circuits", "controllers", "mechanics", "cosim", "passivity", "documents", "plots"},
+    "app": {"core", "documents", "plots", "studies"},
 }
 root = pathlib.Path(__file__).resolve().parent.parent / "src" / "gyrator"
 wrong = []

@@ -3,7 +3,7 @@ import json
 import os
 import unittest
 
-from program import EXAMPLES, MODEL_COMMANDS, RC_DISPLAY, ProgramTest, load_example, with_value, without
+from program import MODEL_COMMANDS, RC_DISPLAY, ProgramTest, load_example, with_value, without
 
 # One frequency, one damping: the quickest form of each command.
 QUICK = {"impedance": ["--frequency", "1"], "zwidth": ["--damping", "0"],
@@ -109,12 +109,16 @@ class ValueTest(ModelErrorTest):
             answer = self.run_program("impedance", name, "--frequency", "1", "--json")
             with self.subTest(period=period):
                 self.assertEqual(answer.code, 0, answer)
+                self.assertEqual(answer.json["model"]["sampling"]["period"], period)
 
     def test_a_delay_beyond_all_sense_is_answered_or_refused_by_name(self):
         name = self.write_model(with_value(load_example(), "/sampling/delay", "1000 s"))
         answer = self.run_program("passivity", name, "--no-counterexample", timeout=5)
-        if answer.code not in (0, 1):
+        if answer.code == 2:
             self.assert_refused(answer, "model.json: /sampling/delay: ")
+        else:
+            self.assertIn(answer.code, (0, 1), answer)
+            self.assertIn("PASSIVE", answer.out)
 
 
 class KeyTest(ModelErrorTest):
@@ -228,6 +232,7 @@ class FileTest(ModelErrorTest):
             file.write(RC_DISPLAY.read_bytes())
         answer = self.run_program("impedance", b"device\xff.json", "--frequency", "1", "--json")
         self.assertEqual(answer.code, 0, answer)
+        self.assertEqual(answer.json["model_name"], "RC-damped rotary display")
 
     def test_a_model_file_handed_to_report_is_refused_with_the_remedy(self):
         self.assert_refused(self.run_program("report", RC_DISPLAY), str(RC_DISPLAY), "is not a result", "-o")
@@ -406,6 +411,7 @@ class NumericalFailureTest(ProgramTest):
             self.assertNotIn(None, answer.json["energy"].values(), "a ledger with holes passes for an answer")
         else:
             self.assertIn(answer.code, (2, 3), answer)
+            self.assert_refused(answer, "finite", code=answer.code)
 
     def test_an_inductance_too_small_for_the_exact_engine_is_computed_rightly_or_refused(self):
         # 1e-16 H: a pole at 1e17 rad/s. With the winding left out the answer is known.
@@ -427,6 +433,7 @@ class TextTest(ProgramTest):
         for command in MODEL_COMMANDS:
             answer = self.run_program(command, name, *QUICK[command])
             with self.subTest(command=command):
+                self.assertIn("device", answer.out)
                 self.assertNotIn("\x1b", answer.out)
                 self.assertNotIn("\x07", answer.out)
 

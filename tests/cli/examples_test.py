@@ -27,30 +27,34 @@ class EveryExampleTest(ProgramTest):
 
     def test_every_plot_is_drawn_of_every_command(self):
         for command in MODEL_COMMANDS:
-            answer = self.run_program(command, RC_DISPLAY, "--quiet", "--svg", "plot.svg", "--png", "plot.png")
+            png = ["--png", "plot.png"] if command == "zwidth" else []  # the others' help shows it, below
+            answer = self.run_program(command, RC_DISPLAY, "--quiet", "--svg", "plot.svg", *png)
             with self.subTest(command=command):
                 self.assertIn(answer.code, (0, 1), answer)
                 svg = (self.folder / "plot.svg").read_text()
                 self.assertIn("<svg", svg)
                 self.assertTrue(svg.rstrip().endswith("</svg>"))
                 self.assertGreater(svg.count("<path"), 4)
-                png = (self.folder / "plot.png").read_bytes()
-                self.assertTrue(png.startswith(b"\x89PNG\r\n\x1a\n") and png.endswith(b"IEND\xaeB`\x82"))
+
+        png = (self.folder / "plot.png").read_bytes()
+        self.assertTrue(png.startswith(b"\x89PNG\r\n\x1a\n") and png.endswith(b"IEND\xaeB`\x82"))
 
     def test_every_example_makes_a_report_that_stands_alone(self):
         for model in example_models():
-            for command in MODEL_COMMANDS:
+            # All results of one rotary and the linear device; drawing takes its time.
+            commands = MODEL_COMMANDS if model.stem in ("rc_display", "p3_plant") else ("passivity",)
+            for command in commands:
                 more = ["--simulate-counterexample"] if command == "passivity" else []
                 self.run_program(command, model, *more, "-o", f"{command}.json", "--quiet")
-            answer = self.run_program("report", *[f"{c}.json" for c in MODEL_COMMANDS], "-o", "report.html")
+            answer = self.run_program("report", *[f"{c}.json" for c in commands], "-o", "report.html")
             with self.subTest(model=model.name):
                 self.assertEqual((answer.code, answer.err), (0, ""), answer)
                 page = (self.folder / "report.html").read_text()
                 self.assertTrue(page.startswith("<!DOCTYPE html>"))
                 self.assertTrue(page.rstrip().endswith("</html>"))
                 self.assertEqual(FETCHES.findall(page), [])
-                self.assertGreaterEqual(page.count("<svg"), len(MODEL_COMMANDS))
-                for command in MODEL_COMMANDS:  # how each result was made
+                self.assertGreaterEqual(page.count("<svg"), len(commands))
+                for command in commands:  # how each result was made
                     self.assertIn(f"gyrator {command} ", page)
                 addresses = set(re.findall(r"https?://[^\s\"'<>)]+", page))
                 self.assertLessEqual(addresses, {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"})

@@ -6,7 +6,7 @@ import unittest
 from program import EXAMPLES, MODEL_COMMANDS, RC_DISPLAY, ProgramTest, load_example, with_value
 
 ENDLESS = {  # commands that would work for minutes
-    "simulate, exact": ["simulate", RC_DISPLAY, "--duration", "1e6 s"],
+    "simulate, exact": ["simulate", RC_DISPLAY, "--duration", "2e4 s"],
     "simulate, cvode": ["simulate", RC_DISPLAY, "--duration", "1e4 s", "--engine", "cvode"],
     "simulate, odeint": ["simulate", RC_DISPLAY, "--duration", "1e4 s", "--engine", "odeint"],
     "simulate, trace step": ["simulate", RC_DISPLAY, "--duration", "1e3 s", "--trace-step", "1 us"],
@@ -52,7 +52,7 @@ class OutputTest(ProgramTest):
             with open("/dev/full", "wb") as full:
                 answer = self.run_program(*arguments, stdout=full)
             with self.subTest(arguments=arguments):
-                self.assert_refused(answer, "stdout")
+                self.assert_refused(answer, "cannot be written")
 
     def test_a_missing_gnuplot_is_named_and_leaves_no_plot(self):
         answer = self.run_program("impedance", RC_DISPLAY, "--svg", "z.svg",
@@ -64,9 +64,10 @@ class OutputTest(ProgramTest):
         for option in ("-o", "--csv"):
             name = self.write_model(load_example())
             before = (self.folder / name).read_text()
-            self.run_program("impedance", name, "--points", "5", option, name)
+            answer = self.run_program("impedance", name, "--points", "5", option, name)
             with self.subTest(option=option):
                 self.assertEqual((self.folder / name).read_text(), before)
+                self.assert_refused(answer, name)
 
     def test_two_outputs_of_one_name_are_refused(self):
         answer = self.run_program("impedance", RC_DISPLAY, "--points", "5", "--csv", "out", "-o", "out")
@@ -141,14 +142,11 @@ class InterruptTest(ProgramTest):
     def test_a_large_impedance_stops(self):
         self.press(["impedance", RC_DISPLAY, "--points", "1000000"])
 
-    def test_a_verdict_over_a_long_delay_stops(self):
-        name = self.write_model(with_value(load_example(), "/sampling/delay", "1 s"), "old.csv.json")
-        with open(self.folder / name) as file:
-            model = file.read()
-        answer = self.interrupt("passivity", name, "-o", "new.json")
-        self.assertEqual(answer.code, 130, answer)
-        self.assertEqual(self.files(), [name])
-        self.assertEqual((self.folder / name).read_text(), model)
+    def test_a_verdict_over_a_delay_of_a_thousand_samples_is_quick_or_stops(self):
+        name = self.write_model(with_value(load_example(), "/sampling/delay", "1 s"))
+        answer = self.interrupt("passivity", name, "-o", "new.json", may_be_over=True)
+        self.assertIn(answer.code, (0, 1, 2, 130), answer)
+        self.assertEqual(self.files(), [name, "new.json"] if answer.code < 2 else [name])
 
 
 if __name__ == "__main__":

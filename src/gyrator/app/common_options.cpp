@@ -5,8 +5,8 @@
 #include <fmt/core.h>
 
 #include "gyrator/core/error.hpp"
-#include "gyrator/studies/output_file.hpp"
-#include "gyrator/studies/plot.hpp"
+#include "gyrator/documents/output_file.hpp"
+#include "gyrator/plots/plot.hpp"
 #include "gyrator/studies/result_figures.hpp"
 
 namespace gyrator::app {

@@ -5,7 +5,7 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "gyrator/studies/csv.hpp"
+#include "gyrator/documents/csv.hpp"
 #include "gyrator/studies/model_format.hpp"
 #include "gyrator/studies/results.hpp"
 

@@ -6,8 +6,8 @@
 
 #include "commands.hpp"
 #include "gyrator/core/error.hpp"
-#include "gyrator/studies/json_text.hpp"
-#include "gyrator/studies/plot.hpp"
+#include "gyrator/documents/json_text.hpp"
+#include "gyrator/plots/plot.hpp"
 #include "gyrator/studies/report.hpp"
 #include "gyrator/studies/result_figures.hpp"
 

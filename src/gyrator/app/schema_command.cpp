@@ -3,8 +3,8 @@
 #include <fmt/core.h>
 
 #include "commands.hpp"
-#include "gyrator/studies/document_manual.hpp"
-#include "gyrator/studies/document_schema.hpp"
+#include "gyrator/documents/document_manual.hpp"
+#include "gyrator/documents/document_schema.hpp"
 #include "gyrator/studies/model_format.hpp"
 
 namespace gyrator::app {

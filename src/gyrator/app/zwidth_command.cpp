@@ -7,7 +7,7 @@
 #include "common_options.hpp"
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/text.hpp"
-#include "gyrator/studies/csv.hpp"
+#include "gyrator/documents/csv.hpp"
 #include "gyrator/studies/model_format.hpp"
 #include "gyrator/studies/results.hpp"
 

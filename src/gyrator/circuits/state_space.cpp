@@ -1,9 +1,9 @@
 #include "gyrator/circuits/state_space.hpp"
 
-#include <array>
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
+#include <boost/math/quadrature/gauss.hpp>
 #include <unsupported/Eigen/MatrixFunctions>
 
 namespace gyrator {
@@ -66,14 +66,15 @@ HeldStep discretize_held(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, dou
   return {step.topLeftCorner(n, n), step.topRightCorner(n, B.cols())};
 }
 
-Eigen::MatrixXd integrate_quadratic_form(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
-                                         const Eigen::MatrixXd& form, double interval) {
+std::vector<Eigen::MatrixXd> integrate_quadratic_forms(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
+                                                       const std::vector<Eigen::MatrixXd>& forms, double interval) {
   const Eigen::MatrixXd held = augment_held(A, B);
-  if (interval <= 0) return Eigen::MatrixXd::Zero(held.rows(), held.cols());
+  std::vector<Eigen::MatrixXd> integrals(forms.size(), Eigen::MatrixXd::Zero(held.rows(), held.cols()));
+  if (interval <= 0) return integrals;
 
   // Ten Gauss points integrate e^(2 A s) to rounding while |A| h <= 1/2. The held input's
   // columns do not count: the integrand is a polynomial in them.
-  const double rate = A.cwiseAbs().rowwise().sum().size() > 0 ? A.cwiseAbs().rowwise().sum().maxCoeff() : 0.0;
+  const double rate = A.size() > 0 ? A.cwiseAbs().rowwise().sum().maxCoeff() : 0.0;
   int doublings = 0;
   double h = interval;
   while (rate * h > 0.5 && doublings < 60) {
@@ -81,24 +82,20 @@ Eigen::MatrixXd integrate_quadratic_form(const Eigen::MatrixXd& A, const Eigen::
     ++doublings;
   }
 
-  // Gauss–Legendre nodes and weights on [-1, 1], ten points (Abramowitz and Stegun, table 25.4).
-  constexpr std::array<double, 5> nodes{0.1488743389816312, 0.4333953941292472, 0.6794095682990244,
-                                        0.8650633666889845, 0.9739065285171717};
-  constexpr std::array<double, 5> weights{0.2955242247147529, 0.2692667193099963, 0.2190863625159820,
-                                          0.1494513491505806, 0.0666713443086881};
-  Eigen::MatrixXd integral = Eigen::MatrixXd::Zero(held.rows(), held.cols());
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    for (const double node : {-nodes[i], nodes[i]}) {
+  using Rule = boost::math::quadrature::gauss<double, 10>;
+  for (std::size_t i = 0; i < Rule::abscissa().size(); ++i) {
+    for (const double node : {-Rule::abscissa()[i], Rule::abscissa()[i]}) {
       const Eigen::MatrixXd z = exponential(held * (h * (1 + node) / 2));
-      integral += weights[i] * h / 2 * (z.transpose() * form * z);
+      const double weight = Rule::weights()[i] * h / 2;
+      for (std::size_t f = 0; f < forms.size(); ++f) integrals[f] += weight * (z.transpose() * forms[f] * z);
     }
   }
   Eigen::MatrixXd z = exponential(held * h);
   for (int i = 0; i < doublings; ++i) {
-    integral += (z.transpose() * integral * z).eval();
+    for (auto& integral : integrals) integral += (z.transpose() * integral * z).eval();
     z = (z * z).eval();
   }
-  return integral;
+  return integrals;
 }
 
 Eigen::VectorXcd compute_poles(const Eigen::MatrixXd& A) {

@@ -11,7 +11,7 @@ namespace {
 class ExactEngine final : public Engine {
  public:
   ExactEngine(const Plant& plant, const EngineOptions& options)
-      : plant_(plant), ledger_(options.ledger), n_(plant.states()), z_(plant.states() + 2), next_(plant.states()) {}
+      : plant_(plant), ledger_(options.ledger), n_(plant.states()), z_(plant.states() + 2) {}
 
   int prepare(double interval) override {
     for (std::size_t i = 0; i < segments_.size(); ++i) {
@@ -24,9 +24,10 @@ class ExactEngine final : public Engine {
       const Eigen::Index size = n_ + 2;
       const auto& e = plant_.energy;
       segment.energies.resize(3, size * (size + 1) / 2);
-      int row = 0;
-      for (const auto* form : {&e.operator_work, &e.source, &e.dissipated}) {
-        segment.energies.row(row++) = pack(integrate_quadratic_form(plant_.A, plant_.B, *form, interval));
+      const auto integrals =
+          integrate_quadratic_forms(plant_.A, plant_.B, {e.operator_work, e.source, e.dissipated}, interval);
+      for (Eigen::Index row = 0; row < 3; ++row) {
+        segment.energies.row(row) = pack(integrals[static_cast<std::size_t>(row)]);
       }
     }
     segments_.push_back(std::move(segment));
@@ -90,7 +91,7 @@ class ExactEngine final : public Engine {
   const Plant plant_;
   bool ledger_;
   Eigen::Index n_;
-  Eigen::VectorXd z_, next_;
+  Eigen::VectorXd z_;
   std::vector<Segment> segments_;
 };
 

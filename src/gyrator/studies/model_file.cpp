@@ -1,8 +1,8 @@
 #include "gyrator/studies/model_file.hpp"
 
 #include "gyrator/core/error.hpp"
-#include "gyrator/studies/document_reader.hpp"
-#include "gyrator/studies/json_text.hpp"
+#include "gyrator/documents/document_reader.hpp"
+#include "gyrator/documents/json_text.hpp"
 #include "gyrator/studies/model_format.hpp"
 
 namespace gyrator {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "gyrator/mechanics/device.hpp"
-#include "gyrator/studies/document_spec.hpp"
+#include "gyrator/documents/document_spec.hpp"
 
 namespace gyrator {
 

@@ -3,7 +3,7 @@
 #include "gyrator/core/error.hpp"
 #include "gyrator/studies/result_fields.hpp"
 #include "gyrator/studies/result_figures.hpp"
-#include "gyrator/studies/result_text.hpp"
+#include "gyrator/plots/pretty_text.hpp"
 
 #include <algorithm>
 #include <array>

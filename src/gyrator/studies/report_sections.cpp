@@ -1,10 +1,10 @@
 #include "gyrator/studies/report_sections.hpp"
 
 #include "gyrator/core/error.hpp"
-#include "gyrator/studies/html.hpp"
+#include "gyrator/plots/html.hpp"
 #include "gyrator/studies/result_fields.hpp"
 #include "gyrator/studies/result_figures.hpp"
-#include "gyrator/studies/result_text.hpp"
+#include "gyrator/plots/pretty_text.hpp"
 
 #include <algorithm>
 #include <array>

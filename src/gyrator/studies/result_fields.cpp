@@ -1,7 +1,7 @@
 #include "gyrator/studies/result_fields.hpp"
 
 #include "gyrator/core/error.hpp"
-#include "gyrator/studies/result_text.hpp"
+#include "gyrator/plots/pretty_text.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "gyrator/studies/plot.hpp"
+#include "gyrator/plots/plot.hpp"
 
 #include <string>
 #include <vector>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -136,7 +137,8 @@ TEST(QuadraticForm, of_a_discharging_capacitor_is_the_energy_it_lost) {
   for (const double h : {1e-6, 1e-4, 1e-3, 0.1}) {
     MatrixXd form = MatrixXd::Zero(2, 2);
     form(0, 0) = 1 / R;
-    const MatrixXd W = integrate_quadratic_form(scalar(-1 / (R * C)), scalar(0), form, h);
+    const MatrixXd W =
+        integrate_quadratic_forms(scalar(-1 / (R * C)), scalar(0), {form}, h).front();
     EXPECT_NEAR(W(0, 0) / (C / 2 * -std::expm1(-2 * h / (R * C))), 1, rounding) << h;
     EXPECT_NEAR(W(1, 1), 0, rounding);
   }
@@ -147,7 +149,8 @@ TEST(QuadraticForm, of_a_charged_capacitor_counts_the_held_source) {
   constexpr double R = 4.7, C = 1e-4, h = 3e-4;
   MatrixXd form(2, 2);
   form << 0, -0.5 / R, -0.5 / R, 1 / R;
-  const MatrixXd W = integrate_quadratic_form(scalar(-1 / (R * C)), scalar(1 / (R * C)), form, h);
+  const MatrixXd W =
+      integrate_quadratic_forms(scalar(-1 / (R * C)), scalar(1 / (R * C)), {form}, h).front();
   EXPECT_NEAR(W(1, 1) / (C * -std::expm1(-h / (R * C))), 1, rounding);
 }
 
@@ -158,7 +161,7 @@ TEST(QuadraticForm, of_an_oscillator_over_many_turns) {
   A << 0, 1, -w * w, 0;
   MatrixXd form = MatrixXd::Zero(3, 3);
   form(0, 0) = 1;
-  const MatrixXd W = integrate_quadratic_form(A, MatrixXd::Zero(2, 1), form, h);
+  const MatrixXd W = integrate_quadratic_forms(A, MatrixXd::Zero(2, 1), {form}, h).front();
   // The phase w h = 100 is doubled up from a short step: its error is eps times that, many times.
   EXPECT_NEAR(W(0, 0) / (h / 2 + std::sin(2 * w * h) / (4 * w)), 1, 1e-10);
 }
@@ -172,7 +175,7 @@ TEST(QuadraticForm, of_a_stiff_system_is_its_integral_to_infinity) {
   form(0, 0) = 1;
   form(1, 1) = 1;
   form(2, 2) = 5;
-  const MatrixXd W = integrate_quadratic_form(A, MatrixXd::Zero(2, 1), form, h);
+  const MatrixXd W = integrate_quadratic_forms(A, MatrixXd::Zero(2, 1), {form}, h).front();
   EXPECT_NEAR(W(0, 0) * 2 * a, 1, rounding);
   // 18 doublings of the slow mode's step.
   EXPECT_NEAR(W(1, 1) / (-std::expm1(-2 * slow * h) / (2 * slow)), 1, 1e-10);
@@ -195,16 +198,28 @@ TEST(QuadraticForm, inverts_differentiation) {
     const double h = 0.05;
     const MatrixXd Z = propagate(A, B, h);
     const MatrixXd expected = Z.transpose() * S * Z - S;
-    const MatrixXd W = integrate_quadratic_form(A, B, M.transpose() * S + S * M, h);
+    const MatrixXd W = integrate_quadratic_forms(A, B, {M.transpose() * S + S * M}, h).front();
     // Twelve doublings at the fastest.
     EXPECT_LE((W - expected).norm(), 1e-11 * std::max(1.0, expected.norm())) << trial;
     EXPECT_LE((W - W.transpose()).norm(), rounding * W.norm()) << trial;
   }
+  const MatrixXd W = integrate_quadratic_forms(scalar(-1), scalar(1), {MatrixXd::Ones(2, 2)}, 0).front();
+
+TEST(QuadraticForm, several_at_once_are_each_by_itself) {
+  std::mt19937 generator(9);
+  const MatrixXd A = 40 * draw(generator, 3, 3), B = draw(generator, 3, 2);
+  std::vector<MatrixXd> forms;
+  for (int i = 0; i < 3; ++i) forms.push_back(draw(generator, 5, 5));
+  const auto together = integrate_quadratic_forms(A, B, forms, 0.05);
+  ASSERT_EQ(together.size(), forms.size());
+  for (std::size_t i = 0; i < forms.size(); ++i) {
+    EXPECT_EQ(together[i], integrate_quadratic_forms(A, B, {forms[i]}, 0.05).front()) << i;
+  }
 }
 
 TEST(QuadraticForm, over_no_time_is_zero) {
-  const MatrixXd W = integrate_quadratic_form(scalar(-1), scalar(1), MatrixXd::Ones(2, 2), 0);
-  EXPECT_EQ(W, MatrixXd::Zero(2, 2));
+  const auto W = integrate_quadratic_forms(scalar(-1), scalar(1), {MatrixXd::Ones(2, 2)}, 0);
+  EXPECT_EQ(W, std::vector<MatrixXd>{MatrixXd::Zero(2, 2)});
 }
 
 }  // namespace

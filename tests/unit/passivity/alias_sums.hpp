@@ -1,9 +1,9 @@
 #pragma once
 
-#include "closed_forms.hpp"
-
 #include "gyrator/controllers/sampling.hpp"
 #include "gyrator/passivity/aliased_disk.hpp"
+
+#include "closed_forms.hpp"
 
 namespace gyrator::passivity_tests {
 
@@ -14,7 +14,8 @@ struct PlainDisk {
   double left_out = 0;  ///< bound of what the terms beyond the last one would change
 };
 
-/// What a device's terms tend to at high frequency: M + S A/(2 Re Z) in `reach`, its size in `size`.
+/// What a device's terms tend to at high frequency: M + S A/(2 Re Z) in `reach`, its size in
+/// `size`.
 struct FarTerms {
   Complex reach = 0;
   double size = 0;

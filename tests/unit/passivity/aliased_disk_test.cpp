@@ -1,8 +1,8 @@
 #include "gyrator/passivity/aliased_disk.hpp"
 
-#include "alias_sums.hpp"
-
 #include <gtest/gtest.h>
+
+#include "alias_sums.hpp"
 
 namespace gyrator {
 namespace {
@@ -51,13 +51,15 @@ std::vector<double> make_base_frequencies() {
 }
 
 // 6e4 aliases on either side, to w = 6e4 w_s = 4e8 rad/s. From there on a term that tends to a
-// constant is within (w_c/w)^2 = 3e-7 of it (w_c <= 2e5 rad/s the fastest corner) and the rest of the
-// series is 1e-5 of the sum; one that falls as w_c/w leaves (w_c/w)/2 of the rest: 3e-4 of 1e-5, of a
-// sum which such a path makes smaller, too. Both are closed below a part in 1e9 but for this last.
+// constant is within (w_c/w)^2 = 3e-7 of it (w_c <= 2e5 rad/s the fastest corner) and the rest of
+// the series is 1e-5 of the sum; one that falls as w_c/w leaves (w_c/w)/2 of the rest: 3e-4 of
+// 1e-5, of a sum which such a path makes smaller, too. Both are closed below a part in 1e9 but for
+// this last.
 constexpr int plain_terms = 60000;
 constexpr double agreement = 1e-9;
 
-TEST(AliasedDisk, is_the_sum_of_a_hundred_thousand_plain_terms_without_a_delay_and_with_a_whole_one) {
+TEST(AliasedDisk,
+     is_the_sum_of_a_hundred_thousand_plain_terms_without_a_delay_and_with_a_whole_one) {
   for (const Summed& summed : make_summed()) {
     AliasedDisk prompt(summed.known.device, no_delay);
     AliasedDisk late(summed.known.device, two_periods);
@@ -77,17 +79,19 @@ TEST(AliasedDisk, is_the_sum_of_a_hundred_thousand_plain_terms_without_a_delay_a
 }
 
 TEST(AliasedDisk, encloses_the_plain_sum_for_a_fractional_delay_without_much_room_to_spare) {
+  // Between 200 and infinity the centre's terms turn with the delay; the disk is larger by their
+  // sizes instead: at Nyquist 2/(200 pi^2) = 0.1 % of the radius for a constant damping, and more
+  // where the damping falls with frequency, to 0.4 % for the RC motor with an ideal drive.
   for (const Summed& summed : make_summed()) {
     AliasedDisk disk(summed.known.device, part_of_a_period);
     for (const double omega : make_base_frequencies()) {
-      const PlainDisk plain = sum_plainly(summed.known, part_of_a_period, omega, plain_terms);
+      const PlainDisk plain = sum_plainly(summed.known, part_of_a_period, omega, 20000);
+      const double left_out = plain.left_out * summed.far.size;
       const DiskPoint point = disk.at(omega);
       const std::string where = describe(summed, omega);
-      // Beyond the plain sum's last term lies at most:
-      const double beyond = plain.left_out * std::max(std::abs(summed.far.reach), 1e-3 * summed.far.size);
       const double off = std::abs(point.center - plain.center);
-      EXPECT_LE(off + plain.radius, point.radius * (1 + agreement) + 2 * beyond) << where << " off " << off/point.radius << " r " << point.radius/plain.radius-1;
-      EXPECT_LE(point.radius, plain.radius * 1.02) << where << " " << point.radius/plain.radius-1;
+      EXPECT_LE(off + plain.radius, point.radius * (1 + agreement) + left_out) << where;
+      EXPECT_LE(point.radius, plain.radius * 1.005) << where;
     }
   }
 }

@@ -36,7 +36,9 @@ inline KnownDevice make_point_mass(double inertia, double damping) {
 }
 
 /// The plant P3 of the reference cases.
-inline KnownDevice make_p3() { return make_point_mass(0.04, 0.8); }
+inline KnownDevice make_p3() {
+  return make_point_mass(0.04, 0.8);
+}
 
 struct RcParameters {
   double J = 2e-5, b = 1e-4, K_t = 0.05, R_m = 1.5, L_m = 0.5e-3, R_1 = 5, C = 2200e-6;
@@ -51,11 +53,12 @@ inline KnownDevice make_rc_motor(const RcParameters& p = {}, bool ideal = false)
   device.drive.motor = Motor{p.K_t, p.R_m, p.L_m};
   if (!ideal) device.drive.amplifier = CurrentAmplifier{};
   device.drive.damping = {RcDamping{p.R_1, p.C}};
-  return {device, [=](Complex s) {
-            const Complex branch = p.R_1 + 1.0 / (p.C * s);
-            const Complex winding = p.R_m + p.L_m * s + branch;
-            return PortForm{p.J * s + p.b + p.K_t * p.K_t / winding, ideal ? 1.0 : branch / winding};
-          }};
+  return {
+      device, [=](Complex s) {
+        const Complex branch = p.R_1 + 1.0 / (p.C * s);
+        const Complex winding = p.R_m + p.L_m * s + branch;
+        return PortForm{p.J * s + p.b + p.K_t * p.K_t / winding, ideal ? 1.0 : branch / winding};
+      }};
 }
 
 /// A voltage amplifier behind R_o: the source closes the back-EMF loop itself.
@@ -86,7 +89,8 @@ inline KnownDevice make_slow_rc_motor(double bandwidth_hz) {
 
 /// Motor inertia and load on a compliant transmission t(s) = d + k/s, the sensor on either side:
 ///   (m s + b + t) v_m = u + t v_p,   f_h = (m_l s + t) v_p - t v_m.
-inline KnownDevice make_compliant(double m, double b, const Transmission& t, SensorLocation sensor) {
+inline KnownDevice make_compliant(double m, double b, const Transmission& t,
+                                  SensorLocation sensor) {
   Device device;
   device.motion = Motion::linear;
   device.mechanics.inertia = m;
@@ -113,7 +117,8 @@ inline KnownDevice make_high_pass(double inertia, double damping, const HighPass
   known.device.mechanics.high_pass_damper = far;
   return {known.device, [=](Complex s) {
             const Complex floating = far.inertia * s;
-            return PortForm{inertia * s + damping + far.damping * floating / (far.damping + floating), 1.0};
+            return PortForm{
+                inertia * s + damping + far.damping * floating / (far.damping + floating), 1.0};
           }};
 }
 

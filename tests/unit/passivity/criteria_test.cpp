@@ -1,15 +1,14 @@
 #include "gyrator/passivity/criteria.hpp"
 
-#include "closed_forms.hpp"
-
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "closed_forms.hpp"
+#include "mentions.hpp"
 
 namespace gyrator {
 namespace {
 
 using namespace passivity_tests;
-using testing::HasSubstr;
 
 const Sampling prompt{Rational(1, 1000), Rational(0)};
 const Sampling one_late{Rational(1, 1000), Rational(1, 1000)};
@@ -79,7 +78,8 @@ TEST(Assumptions, a_slow_amplifier_is_no_ideal_drive) {
 
 std::vector<CriterionResult> judge(const PassivityModel& model) {
   StiffnessLimits limits(model.device, model.sampling, DifferenceEstimator{}, FreeOperator{});
-  return judge_textbook(model, test_assumptions(model.device, model.sampling, limits.disk().model()), limits);
+  return judge_textbook(
+      model, test_assumptions(model.device, model.sampling, limits.disk().model()), limits);
 }
 
 CriterionResult judge(const PassivityModel& model, const std::string& name) {
@@ -91,8 +91,10 @@ CriterionResult judge(const PassivityModel& model, const std::string& name) {
 }
 
 TEST(SpringDamperCriterion, holds_up_to_its_limit_and_leaves_what_its_inequality_leaves) {
-  const CriterionResult below = judge({make_p3().device, VirtualWall{799, 0.4}, prompt, 0}, "spring_damper");
-  const CriterionResult above = judge({make_p3().device, VirtualWall{801, 0.4}, prompt, 0}, "spring_damper");
+  const CriterionResult below =
+      judge({make_p3().device, VirtualWall{799, 0.4}, prompt, 0}, "spring_damper");
+  const CriterionResult above =
+      judge({make_p3().device, VirtualWall{801, 0.4}, prompt, 0}, "spring_damper");
   EXPECT_TRUE(below.applies);
   EXPECT_TRUE(below.holds);
   EXPECT_FALSE(above.holds);
@@ -109,43 +111,56 @@ TEST(SpringDamperCriterion, does_not_apply_with_a_delay_a_filter_a_varying_dampi
     return c.reason;
   };
   const VirtualWall wall{100, 0.1};
-  EXPECT_THAT(reason(make_p3().device, wall, one_late), HasSubstr("delay"));
-  EXPECT_THAT(reason(make_high_pass(0.04, 0.8, {0.01, 2}).device, wall, prompt), HasSubstr("depends on frequency"));
-  EXPECT_THAT(reason(make_rc_motor().device, wall, prompt), HasSubstr("A is not 1"));
-  EXPECT_THAT(reason(make_p3().device, {100, 0.1, FilteredDifferenceEstimator{100}}, prompt), HasSubstr("backward difference"));
-  EXPECT_THAT(reason(make_p3().device, {100, 0.1, DifferenceEstimator{3}}, prompt), HasSubstr("backward difference"));
-  const Device compliant = make_compliant(0.04, 0.8, {2e4, 0.3, 0.02}, SensorLocation::motor).device;
-  EXPECT_THAT(reason(compliant, wall, prompt), HasSubstr("sensor is not at the port"));
+  EXPECT_TRUE(mentions(reason(make_p3().device, wall, one_late), "delay"));
+  EXPECT_TRUE(mentions(reason(make_high_pass(0.04, 0.8, {0.01, 2}).device, wall, prompt),
+                       "depends on frequency"));
+  EXPECT_TRUE(mentions(reason(make_rc_motor().device, wall, prompt), "A is not 1"));
+  EXPECT_TRUE(
+      mentions(reason(make_p3().device, {100, 0.1, FilteredDifferenceEstimator{100}}, prompt),
+               "backward difference"));
+  EXPECT_TRUE(mentions(reason(make_p3().device, {100, 0.1, DifferenceEstimator{3}}, prompt),
+                       "backward difference"));
+  const Device compliant =
+      make_compliant(0.04, 0.8, {2e4, 0.3, 0.02}, SensorLocation::motor).device;
+  EXPECT_TRUE(mentions(reason(compliant, wall, prompt), "sensor is not at the port"));
 }
 
 TEST(SpringDamperCriterion, does_not_mind_the_estimator_of_a_wall_without_damping) {
-  EXPECT_TRUE(judge({make_p3().device, VirtualWall{100, 0, FilteredDifferenceEstimator{100}}, prompt, 0},
-                    "spring_damper").applies);
+  EXPECT_TRUE(
+      judge({make_p3().device, VirtualWall{100, 0, FilteredDifferenceEstimator{100}}, prompt, 0},
+            "spring_damper")
+          .applies);
 }
 
 TEST(FrequencyDependentCriterion, applies_to_a_rising_damping_and_to_a_whole_delay) {
   const VirtualWall wall{100, 0.1};
-  EXPECT_TRUE(judge({make_high_pass(0.04, 0.8, {0.01, 2}).device, wall, prompt, 0}, "frequency_dependent").applies);
+  EXPECT_TRUE(
+      judge({make_high_pass(0.04, 0.8, {0.01, 2}).device, wall, prompt, 0}, "frequency_dependent")
+          .applies);
   EXPECT_TRUE(judge({make_p3().device, wall, one_late, 0}, "frequency_dependent").applies);
 }
 
-TEST(FrequencyDependentCriterion, does_not_apply_to_a_falling_damping_a_circuit_or_a_fractional_delay) {
+TEST(FrequencyDependentCriterion,
+     does_not_apply_to_a_falling_damping_a_circuit_or_a_fractional_delay) {
   const auto reason = [](const Device& device, const Sampling& sampling) {
-    const CriterionResult c = judge({device, VirtualWall{0.05, 1e-4}, sampling, 0}, "frequency_dependent");
+    const CriterionResult c =
+        judge({device, VirtualWall{0.05, 1e-4}, sampling, 0}, "frequency_dependent");
     EXPECT_FALSE(c.applies);
     return c.reason;
   };
-  EXPECT_THAT(reason(make_rc_motor({}, true).device, prompt), HasSubstr("falls with frequency"));
-  EXPECT_THAT(reason(make_rc_motor().device, prompt), HasSubstr("A is not 1"));
-  EXPECT_THAT(reason(make_p3().device, part_late), HasSubstr("whole number of periods"));
+  EXPECT_TRUE(mentions(reason(make_rc_motor({}, true).device, prompt), "falls with frequency"));
+  EXPECT_TRUE(mentions(reason(make_rc_motor().device, prompt), "A is not 1"));
+  EXPECT_TRUE(mentions(reason(make_p3().device, part_late), "whole number of periods"));
 }
 
 TEST(FrequencyDependentCriterion, margin_is_the_least_sum_of_physical_and_virtual_damping) {
   // P3 with K and B: b - K T/2 + B cos(wT), least at Nyquist for B > 0 and towards zero for B < 0.
-  const CriterionResult positive = judge({make_p3().device, VirtualWall{400, 0.4}, prompt, 0}, "frequency_dependent");
+  const CriterionResult positive =
+      judge({make_p3().device, VirtualWall{400, 0.4}, prompt, 0}, "frequency_dependent");
   EXPECT_NEAR(positive.margin, 0.8 - 0.2 - 0.4, 1e-9);
   EXPECT_NEAR(*positive.worst_frequency_hz, 500, 1e-3);
-  const CriterionResult negative = judge({make_p3().device, VirtualWall{400, -0.4}, prompt, 0}, "frequency_dependent");
+  const CriterionResult negative =
+      judge({make_p3().device, VirtualWall{400, -0.4}, prompt, 0}, "frequency_dependent");
   EXPECT_NEAR(negative.margin, 0.8 - 0.2 - 0.4, 1e-9);
   EXPECT_LT(*negative.worst_frequency_hz, 1);
 }
@@ -180,22 +195,23 @@ TEST(QuantizedCoulombCriterion, is_bound_by_damping_or_by_friction_whichever_is_
   }
 }
 
-TEST(QuantizedCoulombCriterion, allows_nothing_without_friction_and_does_not_apply_without_a_quantum) {
+TEST(QuantizedCoulombCriterion,
+     allows_nothing_without_friction_and_does_not_apply_without_a_quantum) {
   EXPECT_EQ(*judge(make_quantized(1, 0, 1e-5), "quantized_coulomb").max_stiffness, 0);
   const CriterionResult c = judge(make_quantized(1, 0.004, 0), "quantized_coulomb");
   EXPECT_FALSE(c.applies);
-  EXPECT_THAT(c.reason, HasSubstr("quantum"));
+  EXPECT_TRUE(mentions(c.reason, "quantum"));
 }
 
 TEST(QuantizedCoulombCriterion, does_not_apply_with_virtual_damping_or_a_delay) {
   PassivityModel model = make_quantized(100, 0.004, 1e-5);
   model.controller = VirtualWall{100, 0.1};
-  EXPECT_THAT(judge(model, "quantized_coulomb").reason, HasSubstr("virtual damping"));
+  EXPECT_TRUE(mentions(judge(model, "quantized_coulomb").reason, "virtual damping"));
   model.controller = VirtualWall{100, 0};
   model.sampling = one_late;
   const CriterionResult late = judge(model, "quantized_coulomb");
   EXPECT_FALSE(late.applies);
-  EXPECT_THAT(late.reason, HasSubstr("delay"));
+  EXPECT_TRUE(mentions(late.reason, "delay"));
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
-#include "alias_sums.hpp"
-
 #include "gyrator/controllers/virtual_wall.hpp"
 #include "gyrator/passivity/aliased_disk.hpp"
 #include "gyrator/passivity/virtual_damping.hpp"
 
 #include <gtest/gtest.h>
+
+#include "alias_sums.hpp"
 
 namespace gyrator {
 namespace {
@@ -18,7 +18,9 @@ constexpr double nyquist = pi / period;
 // f^(5) 31/967680, is 1e-12 of the sum at 24 aliases. Quadrature and rounding add as much again.
 constexpr double series = 1e-11;
 
-std::vector<double> make_shares() { return {1e-5, 1e-3, 0.05, 0.3, 0.5, 0.7, 0.92, 1.0}; }
+std::vector<double> make_shares() {
+  return {1e-5, 1e-3, 0.05, 0.3, 0.5, 0.7, 0.92, 1.0};
+}
 
 Complex law_at(const DiscreteStateSpace& law, double omega, const Sampling& sampling) {
   return law.response(std::polar(1.0, omega * sampling.period.to_double()));
@@ -63,7 +65,8 @@ TEST(DiskClosedForms, margin_of_a_constant_damping_is_it_plus_the_virtual_dampin
   }
 }
 
-TEST(DiskClosedForms, margin_of_a_falling_damping_has_the_sign_of_the_alias_weighted_harmonic_mean) {
+TEST(DiskClosedForms,
+     margin_of_a_falling_damping_has_the_sign_of_the_alias_weighted_harmonic_mean) {
   // For A = 1 at one place |c| = r, so D = Re Z/b_eff (b_eff + b_v) with
   // b_eff = sum w_n / sum (w_n / Re Z(jw_n)), w_n = 1/w_n^2.
   const std::vector<KnownDevice> devices{make_rc_motor({}, true),
@@ -112,7 +115,8 @@ TEST(DiskClosedForms, a_falling_damping_is_judged_below_its_value_at_the_base_fr
   for (const double share : {0.3, 0.6, 1.0}) {
     const double omega = share * nyquist;
     const DiskPoint point = disk.at(omega);
-    EXPECT_LT(point.damping_margin(K), 0.98 * (point.damping + compute_virtual_damping(omega, period, K)))
+    EXPECT_LT(point.damping_margin(K),
+              0.98 * (point.damping + compute_virtual_damping(omega, period, K)))
         << share;
   }
 }
@@ -126,9 +130,12 @@ TEST(DiskClosedForms, margin_is_the_distance_from_the_critical_point_multiplied_
     for (const double share : {0.05, 0.3, 0.5, 0.7, 0.92, 1.0}) {
       const DiskPoint point = disk.at(share * nyquist);
       for (const Complex law : {Complex(0.5), Complex(30, 10), Complex(-3, 200)}) {
-        const double squared = std::norm(1.0 + law * point.center) - std::norm(law) * point.radius * point.radius;
+        const double squared =
+            std::norm(1.0 + law * point.center) - std::norm(law) * point.radius * point.radius;
         const double size = 1 + std::norm(law) * point.radius * point.radius;
-        EXPECT_NEAR(point.damping_margin(law), point.damping * squared, 1e-14 * point.damping * size) << share;
+        EXPECT_NEAR(point.damping_margin(law), point.damping * squared,
+                    1e-14 * point.damping * size)
+            << share;
       }
     }
   }

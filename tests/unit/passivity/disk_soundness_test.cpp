@@ -1,5 +1,3 @@
-#include "closed_forms.hpp"
-
 #include "gyrator/cosim/sampled_plant.hpp"
 #include "gyrator/mechanics/plant.hpp"
 #include "gyrator/passivity/aliased_disk.hpp"
@@ -7,6 +5,8 @@
 #include <algorithm>
 
 #include <gtest/gtest.h>
+
+#include "closed_forms.hpp"
 
 namespace gyrator {
 namespace {
@@ -44,12 +44,14 @@ MassSpringDamper make_operator(Random& random, double inertia, double period) {
   if (random.chance(0.5)) held_by.damping = random.log_uniform(1e-4, 1) * inertia / period;
   if (random.chance(0.7)) held_by.stiffness = random.log_uniform(1e-4, 10) * stiffness;
   while (random.chance(0.5)) {
-    held_by.resonators.push_back({random.log_uniform(1e-2, 10) * inertia, random.log_uniform(1e-2, 10) * stiffness});
+    held_by.resonators.push_back(
+        {random.log_uniform(1e-2, 10) * inertia, random.log_uniform(1e-2, 10) * stiffness});
   }
   return held_by;
 }
 
-// y/u on the unit circle, C (zI - phi)^-1 (recent z^-m + late z^-(m+1)): no aliases are summed here.
+// y/u on the unit circle, C (zI - phi)^-1 (recent z^-m + late z^-(m+1)): no aliases are summed
+// here.
 struct LoopResponse {
   Complex value;
   double rounding = 0;
@@ -59,7 +61,8 @@ LoopResponse respond(const SampledPlant& plant, Complex z) {
   const Eigen::Index n = plant.phi.rows();
   const Eigen::MatrixXcd pencil = z * Eigen::MatrixXcd::Identity(n, n) - plant.phi.cast<Complex>();
   const Complex whole = std::pow(z, -static_cast<double>(plant.delay.whole));
-  const Eigen::VectorXcd input = whole * (plant.recent.cast<Complex>() + plant.late.cast<Complex>() / z);
+  const Eigen::VectorXcd input =
+      whole * (plant.recent.cast<Complex>() + plant.late.cast<Complex>() / z);
   const Eigen::VectorXcd x = pencil.partialPivLu().solve(input);
   // Backward error: the solution is that of a pencil off by a few hundred roundings, the matrix
   // exponential's. |C pencil^-1| (|pencil| |x|) bounds what this changes.
@@ -76,20 +79,24 @@ TEST(DiskSoundness, holds_the_true_loop_of_every_passive_operator) {
     const double period = loop.sampling.period.to_double();
     AliasedDisk disk(loop.known.device, loop.sampling);
     std::vector<DiskPoint> points;
-    for (const double share : {0.003, 0.03, 0.1, 0.2, 0.31, 0.43, 0.55, 0.68, 0.8, 0.91, 0.97, 0.999}) {
+    for (const double share :
+         {0.003, 0.03, 0.1, 0.2, 0.31, 0.43, 0.55, 0.68, 0.8, 0.91, 0.97, 0.999}) {
       points.push_back(disk.at(share * pi / period));
     }
     double nearest_to_rim = 0;
     double worst_rounding = 0;
     for (int i = 0; i < operators; ++i) {
-      const MassSpringDamper held_by = make_operator(random, loop.known.device.mechanics.inertia, period);
-      const SampledPlant plant = sample_plant(build_plant(build_device_network(loop.known.device, held_by)), loop.sampling);
+      const MassSpringDamper held_by =
+          make_operator(random, loop.known.device.mechanics.inertia, period);
+      const SampledPlant plant = sample_plant(
+          build_plant(build_device_network(loop.known.device, held_by)), loop.sampling);
       for (const DiskPoint& point : points) {
         const LoopResponse response = respond(plant, std::polar(1.0, point.omega * period));
         const double distance = std::abs(response.value - point.center);
         // 1e-9 of the radius for the disk's own sums.
         EXPECT_LE(distance, point.radius * (1 + 1e-9) + response.rounding)
-            << loop.name << ", operator " << i << " at " << point.omega * period / pi << " of Nyquist";
+            << loop.name << ", operator " << i << " at " << point.omega * period / pi
+            << " of Nyquist";
         nearest_to_rim = std::max(nearest_to_rim, distance / point.radius);
         worst_rounding = std::max(worst_rounding, response.rounding / point.radius);
       }

@@ -1,8 +1,8 @@
-#include "closed_forms.hpp"
-
 #include "gyrator/passivity/verdict.hpp"
 
 #include <gtest/gtest.h>
+
+#include "closed_forms.hpp"
 
 namespace gyrator {
 namespace {
@@ -50,7 +50,8 @@ TEST(ExtraDamping, added_to_the_mechanics_mends_the_loop_and_two_percent_less_do
 
 TEST(ExtraDamping, is_the_missing_margin_itself_for_a_constant_damping) {
   // D = b + b_v: what is missing at the worst frequency is what has to be added.
-  for (const VirtualWall wall : {VirtualWall{2000, 0}, VirtualWall{1000, 0.9}, VirtualWall{100, -1.2}}) {
+  for (const VirtualWall wall :
+       {VirtualWall{2000, 0}, VirtualWall{1000, 0.9}, VirtualWall{100, -1.2}}) {
     const Verdict verdict = judge_passivity({make_p3().device, wall, {}, 0}, false);
     const double missing = wall.stiffness * 0.5e-3 + std::abs(wall.damping) - 0.8;
     ASSERT_GT(missing, 0);
@@ -62,7 +63,8 @@ TEST(ExtraDamping, is_the_missing_margin_itself_for_a_constant_damping) {
 TEST(ExtraDamping, is_left_out_where_no_damper_at_the_port_can_mend) {
   // Sensor at the motor behind a spring: with the port held fast the motor still swings on it, and
   // this wall alone makes that unstable.
-  const Device device = make_compliant(0.04, 0.01, {2e4, 0.001, 0.02}, SensorLocation::motor).device;
+  const Device device =
+      make_compliant(0.04, 0.01, {2e4, 0.001, 0.02}, SensorLocation::motor).device;
   const Verdict verdict = judge_passivity({device, VirtualWall{4000, 0}, {}, 0}, false);
   EXPECT_FALSE(verdict.passive);
   EXPECT_FALSE(verdict.extra_damping.has_value()) << *verdict.extra_damping;

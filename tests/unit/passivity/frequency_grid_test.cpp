@@ -1,10 +1,10 @@
 #include "gyrator/passivity/frequency_grid.hpp"
 
-#include "closed_forms.hpp"
-
 #include <algorithm>
 
 #include <gtest/gtest.h>
+
+#include "closed_forms.hpp"
 
 namespace gyrator {
 namespace {
@@ -21,9 +21,8 @@ Eigen::VectorXcd make_poles(std::vector<Complex> poles) {
 }
 
 int count_within(const std::vector<double>& grid, double omega, double width) {
-  return static_cast<int>(std::count_if(grid.begin(), grid.end(), [&](double at) {
-    return std::abs(at - omega) <= width;
-  }));
+  return static_cast<int>(std::count_if(grid.begin(), grid.end(),
+                                        [&](double at) { return std::abs(at - omega) <= width; }));
 }
 
 TEST(FrequencyGrid, ascends_from_far_below_the_slowest_pole_up_to_nyquist_itself) {

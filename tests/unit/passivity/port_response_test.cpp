@@ -1,10 +1,10 @@
 #include "gyrator/passivity/port_response.hpp"
 
-#include "closed_forms.hpp"
-
 #include "gyrator/circuits/descriptor.hpp"
 
 #include <gtest/gtest.h>
+
+#include "closed_forms.hpp"
 
 namespace gyrator {
 namespace {
@@ -33,7 +33,8 @@ std::vector<double> make_frequencies() {
 constexpr double agreement = 1e-12;
 
 void expect_close(Complex found, Complex wanted, const std::string& what) {
-  EXPECT_LE(std::abs(found - wanted), agreement * std::max(std::abs(wanted), 1e-3)) << what << ' ' << found << wanted;
+  EXPECT_LE(std::abs(found - wanted), agreement * std::max(std::abs(wanted), 1e-3))
+      << what << ' ' << found << wanted;
 }
 
 TEST(PortResponse, is_what_the_laws_written_down_by_hand_give) {
@@ -42,7 +43,8 @@ TEST(PortResponse, is_what_the_laws_written_down_by_hand_give) {
     const auto responses = compute_port_response(known.device, make_frequencies());
     for (const PortResponse& r : responses) {
       const PortForm form = known.at(Complex(0, r.omega));
-      const std::string where = "device " + std::to_string(number) + " at " + std::to_string(r.omega);
+      const std::string where =
+          "device " + std::to_string(number) + " at " + std::to_string(r.omega);
       expect_close(r.impedance, form.impedance, where + " Z");
       expect_close(r.actuation, form.actuation, where + " A");
       expect_close(r.sensor_path, form.sensor_path, where + " S");
@@ -89,12 +91,14 @@ TEST(PortResponse, agrees_with_the_admittances_of_the_free_device) {
     expect_close(1.0 / r.impedance, port(network.external_effort), "Y_pp");
     expect_close(r.actuation / r.impedance, port(network.command), "Y_pu");
     expect_close(r.sensor_path / r.impedance, sensed(network.external_effort), "Y_sp");
-    expect_close(r.blocked_motion + r.sensor_path * r.actuation / r.impedance, sensed(network.command), "Y_su");
+    expect_close(r.blocked_motion + r.sensor_path * r.actuation / r.impedance,
+                 sensed(network.command), "Y_su");
   }
 }
 
 TEST(PortResponse, poles_are_those_with_the_port_free_and_clamped) {
-  // Free: the two inertias on their spring and the whole drifting; clamped: the motor's inertia alone.
+  // Free: the two inertias on their spring and the whole drifting; clamped: the motor's inertia
+  // alone.
   const double m = 0.04;
   const double load = 0.02;
   const double k = 2e4;

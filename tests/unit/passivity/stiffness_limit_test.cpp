@@ -1,12 +1,12 @@
 #include "gyrator/passivity/stiffness_limit.hpp"
 
-#include "closed_forms.hpp"
-
 #include "gyrator/controllers/virtual_wall.hpp"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
+
+#include "closed_forms.hpp"
 
 namespace gyrator {
 namespace {
@@ -42,7 +42,8 @@ double find_least_margin(StiffnessLimits& limits, double stiffness, double virtu
   const DiscreteStateSpace law = make_wall_law({stiffness, virtual_damping}, period);
   double least = INFINITY;
   for (const DiskPoint& point : limits.disks()) {
-    least = std::min(least, point.damping_margin(law.response(std::polar(1.0, point.omega * period))));
+    least =
+        std::min(least, point.damping_margin(law.response(std::polar(1.0, point.omega * period))));
   }
   return least;
 }
@@ -71,7 +72,8 @@ TEST(StiffnessLimit, binds_at_the_frequency_that_it_names) {
     const double period = limits.disk().period();
     const DiskPoint point = limits.disk().at(omega);
     const auto margin = [&](double share) {
-      const DiscreteStateSpace law = make_wall_law({share * limit.stiffness, c.virtual_damping}, period);
+      const DiscreteStateSpace law =
+          make_wall_law({share * limit.stiffness, c.virtual_damping}, period);
       return point.damping_margin(law.response(std::polar(1.0, omega * period)));
     };
     // Nothing is left there, against what a hundredth of the stiffness makes.
@@ -80,9 +82,13 @@ TEST(StiffnessLimit, binds_at_the_frequency_that_it_names) {
 }
 
 TEST(StiffnessLimit, of_the_textbook_is_the_disks_for_a_constant_damping) {
-  for (const auto& [delay, B] : {std::pair(Rational(0), 0.0), {Rational(0), 0.4}, {Rational(0), -0.3},
-                                 {Rational(1, 1000), 0.2}, {Rational(2, 1000), -0.1}}) {
-    StiffnessLimits limits(make_p3().device, {Rational(1, 1000), delay}, DifferenceEstimator{}, FreeOperator{});
+  for (const auto& [delay, B] : {std::pair(Rational(0), 0.0),
+                                 {Rational(0), 0.4},
+                                 {Rational(0), -0.3},
+                                 {Rational(1, 1000), 0.2},
+                                 {Rational(2, 1000), -0.1}}) {
+    StiffnessLimits limits(make_p3().device, {Rational(1, 1000), delay}, DifferenceEstimator{},
+                           FreeOperator{});
     const double textbook = limits.find(Criterion::frequency_dependent, B).stiffness;
     // The disk's series is good to 1e-11.
     EXPECT_NEAR(limits.find(Criterion::exact_disk, B).stiffness, textbook, 1e-9 * textbook) << B;
@@ -109,14 +115,17 @@ TEST(StiffnessLimit, with_any_passive_operator_is_at_least_that_for_all_of_them)
     for (int i = 0; i < 25; ++i) {
       MassSpringDamper held_by;
       if (i > 0) {
-        held_by = {random.log_uniform(1e-2, 1e2) * inertia, random.log_uniform(1e-3, 1) * inertia * 1e3,
-                   random.log_uniform(1e-4, 1) * inertia * 1e6, {}};
+        held_by = {random.log_uniform(1e-2, 1e2) * inertia,
+                   random.log_uniform(1e-3, 1) * inertia * 1e3,
+                   random.log_uniform(1e-4, 1) * inertia * 1e6,
+                   {}};
         if (random.chance(0.5)) held_by.damping = 0;
       }
       StiffnessLimits coupled(c.known.device, c.sampling, DifferenceEstimator{}, held_by);
       const StiffnessLimit limit = coupled.find(Criterion::coupled, c.virtual_damping);
       ASSERT_TRUE(limit.feasible) << c.name << ' ' << i;
-      // Its crossing is bracketed to 2^-44 and eigenvalues close to one move with the root of rounding.
+      // Its crossing is bracketed to 2^-44 and eigenvalues close to one move with the root of
+      // rounding.
       EXPECT_GE(limit.stiffness, for_all * (1 - 1e-6)) << c.name << ' ' << i;
       bounded += std::isfinite(limit.stiffness);
     }
@@ -131,7 +140,8 @@ TEST(StiffnessLimit, coupled_is_where_the_exact_loop_turns_unstable) {
     const StiffnessLimit limit = limits.find(Criterion::coupled, c.virtual_damping);
     ASSERT_TRUE(limit.feasible && std::isfinite(limit.stiffness)) << c.name;
     const double period = c.sampling.period.to_double();
-    const SampledPlant plant = sample_plant(build_plant(build_device_network(c.known.device, hand)), c.sampling);
+    const SampledPlant plant =
+        sample_plant(build_plant(build_device_network(c.known.device, hand)), c.sampling);
     const auto radius = [&](double share) {
       return compute_spectral_radius(build_loop_matrix(
           plant, make_wall_law({share * limit.stiffness, c.virtual_damping}, period)));
@@ -142,7 +152,8 @@ TEST(StiffnessLimit, coupled_is_where_the_exact_loop_turns_unstable) {
 }
 
 TEST(StiffnessLimit, lists_every_criterion_under_its_own_name) {
-  for (const CriterionName& entry : criterion_names()) EXPECT_EQ(name_of(entry.criterion), entry.name);
+  for (const CriterionName& entry : criterion_names())
+    EXPECT_EQ(name_of(entry.criterion), entry.name);
   EXPECT_EQ(name_of(Criterion::spring_damper), "spring_damper");
   EXPECT_EQ(name_of(Criterion::frequency_dependent), "frequency_dependent");
   EXPECT_EQ(name_of(Criterion::exact_disk), "exact_disk");

@@ -1,19 +1,18 @@
 #include "gyrator/passivity/verdict.hpp"
 
-#include "closed_forms.hpp"
-
 #include "gyrator/core/error.hpp"
 
 #include <algorithm>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "closed_forms.hpp"
+#include "mentions.hpp"
 
 namespace gyrator {
 namespace {
 
 using namespace passivity_tests;
-using testing::HasSubstr;
 
 const CriterionResult& find_criterion(const Verdict& verdict, const std::string& name) {
   const auto it = std::find_if(verdict.criteria.begin(), verdict.criteria.end(),
@@ -23,8 +22,8 @@ const CriterionResult& find_criterion(const Verdict& verdict, const std::string&
 }
 
 Device make_active_device() {
-  // A loop around the winding's current makes the branch's capacitor look like a negative resistance
-  // below w^2 = w_b/(C (R_m + R_1)) = (755 rad/s)^2.
+  // A loop around the winding's current makes the branch's capacitor look like a negative
+  // resistance below w^2 = w_b/(C (R_m + R_1)) = (755 rad/s)^2.
   RcParameters p;
   p.R_1 = 0;
   Device device = make_rc_motor(p).device;
@@ -33,11 +32,14 @@ Device make_active_device() {
 }
 
 TEST(Verdict, is_the_exact_disks_and_stands_on_both_sides_of_its_limit) {
-  for (const KnownDevice& known : {make_rc_motor(), make_rc_motor({}, true), make_slow_rc_motor(300)}) {
+  for (const KnownDevice& known :
+       {make_rc_motor(), make_rc_motor({}, true), make_slow_rc_motor(300)}) {
     StiffnessLimits limits(known.device, {}, DifferenceEstimator{}, FreeOperator{});
     const double K = limits.find(Criterion::exact_disk, 1e-4).stiffness;
-    const Verdict below = judge_passivity({known.device, VirtualWall{0.999 * K, 1e-4}, {}, 0}, false);
-    const Verdict above = judge_passivity({known.device, VirtualWall{1.001 * K, 1e-4}, {}, 0}, false);
+    const Verdict below =
+        judge_passivity({known.device, VirtualWall{0.999 * K, 1e-4}, {}, 0}, false);
+    const Verdict above =
+        judge_passivity({known.device, VirtualWall{1.001 * K, 1e-4}, {}, 0}, false);
     EXPECT_TRUE(below.passive);
     EXPECT_FALSE(above.passive);
     EXPECT_GT(find_criterion(below, "exact_disk").margin, 0);
@@ -45,8 +47,8 @@ TEST(Verdict, is_the_exact_disks_and_stands_on_both_sides_of_its_limit) {
     EXPECT_DOUBLE_EQ(*find_criterion(above, "exact_disk").max_stiffness, K);
     EXPECT_FALSE(below.extra_damping.has_value());
     EXPECT_FALSE(below.counterexample.has_value());
-    EXPECT_THAT(below.explanation, HasSubstr("No passive operator"));
-    EXPECT_THAT(above.explanation, HasSubstr("Some passive operator"));
+    EXPECT_TRUE(mentions(below.explanation, "No passive operator"));
+    EXPECT_TRUE(mentions(above.explanation, "Some passive operator"));
   }
 }
 
@@ -64,7 +66,8 @@ TEST(Verdict, finds_every_passive_device_passive_without_a_controller) {
   // The last one's damping vanishes at high frequency, where its disk has no bound; with H = 0
   // there is nothing to multiply it.
   for (const KnownDevice& known :
-       {make_p3(), make_rc_motor(), make_compliant(0.04, 0.8, {2e4, 0, 0.02}, SensorLocation::port)}) {
+       {make_p3(), make_rc_motor(),
+        make_compliant(0.04, 0.8, {2e4, 0, 0.02}, SensorLocation::port)}) {
     const Verdict verdict = judge_passivity({known.device, NoController{}, {}, 0}, false);
     EXPECT_TRUE(verdict.passive) << verdict.explanation;
     EXPECT_GT(find_criterion(verdict, "exact_disk").margin, 0);
@@ -76,8 +79,8 @@ TEST(Verdict, names_the_frequency_at_which_an_active_device_supplies_energy) {
   EXPECT_FALSE(verdict.device_passive);
   EXPECT_FALSE(verdict.passive);
   EXPECT_LT(verdict.least_damping, 0);
-  EXPECT_THAT(find_criterion(verdict, "exact_disk").reason, HasSubstr("supplies energy"));
-  EXPECT_THAT(verdict.explanation, HasSubstr("supplies energy"));
+  EXPECT_TRUE(mentions(find_criterion(verdict, "exact_disk").reason, "supplies energy"));
+  EXPECT_TRUE(mentions(verdict.explanation, "supplies energy"));
   EXPECT_EQ(*find_criterion(verdict, "exact_disk").max_stiffness, 0);
   // Straight from the network: it is the lowest to what its neighbours on a 2 % grid differ by.
   std::vector<double> hz;
@@ -87,7 +90,8 @@ TEST(Verdict, names_the_frequency_at_which_an_active_device_supplies_energy) {
     lowest = std::min(lowest, r.impedance.real());
   }
   EXPECT_NEAR(verdict.least_damping, lowest, 0.02 * std::abs(lowest));
-  EXPECT_NEAR(compute_port_response(make_active_device(), {verdict.least_damping_frequency_hz})[0].impedance.real(),
+  EXPECT_NEAR(compute_port_response(make_active_device(), {verdict.least_damping_frequency_hz})[0]
+                  .impedance.real(),
               verdict.least_damping, 1e-9 * std::abs(lowest));
 }
 
@@ -109,14 +113,16 @@ TEST(Verdict, has_no_bound_where_the_damping_vanishes_faster_than_the_command_pa
   EXPECT_FALSE(unbounded.passive);
   EXPECT_TRUE(unbounded.device_passive);
   EXPECT_TRUE(std::isinf(unbounded.worst_disk.radius));
-  EXPECT_THAT(find_criterion(unbounded, "exact_disk").reason, HasSubstr("vanishes at high frequency"));
+  EXPECT_TRUE(
+      mentions(find_criterion(unbounded, "exact_disk").reason, "vanishes at high frequency"));
 
   const Device at_motor = make_compliant(0.04, 0.8, lossless, SensorLocation::motor).device;
   const Verdict bounded = judge_passivity({at_motor, VirtualWall{10, 0}, {}, 0}, false);
   EXPECT_TRUE(bounded.passive);
   EXPECT_TRUE(std::isfinite(bounded.worst_disk.radius));
 
-  const Verdict undamped = judge_passivity({make_point_mass(1, 0).device, VirtualWall{10, 1}, {}, 0}, false);
+  const Verdict undamped =
+      judge_passivity({make_point_mass(1, 0).device, VirtualWall{10, 1}, {}, 0}, false);
   EXPECT_FALSE(undamped.passive);
   EXPECT_TRUE(std::isinf(undamped.worst_disk.radius));
 }
@@ -129,24 +135,26 @@ TEST(Verdict, says_so_when_the_loop_is_unstable_with_nothing_attached) {
   EXPECT_GT(unstable.uncoupled_spectral_radius, 1);
   EXPECT_FALSE(stable.passive);
   EXPECT_FALSE(unstable.passive);
-  EXPECT_THAT(unstable.explanation, HasSubstr("nothing attached"));
+  EXPECT_TRUE(mentions(unstable.explanation, "nothing attached"));
 }
 
 TEST(Verdict, says_when_the_textbook_would_have_let_it_pass) {
-  const Verdict verdict = judge_passivity({make_rc_motor().device, VirtualWall{0.2, 1.5e-4}, {}, 0}, false);
+  const Verdict verdict =
+      judge_passivity({make_rc_motor().device, VirtualWall{0.2, 1.5e-4}, {}, 0}, false);
   EXPECT_FALSE(verdict.passive);
   EXPECT_TRUE(find_criterion(verdict, "frequency_dependent").holds);
   EXPECT_FALSE(find_criterion(verdict, "frequency_dependent").applies);
-  EXPECT_THAT(verdict.explanation, HasSubstr("does not apply here"));
+  EXPECT_TRUE(mentions(verdict.explanation, "does not apply here"));
 }
 
 TEST(Verdict, says_when_the_textbook_is_too_strict) {
   // A delay that is not whole: [8.46] counts its loss in full at every frequency.
   const Sampling half{Rational(1, 1000), Rational(1, 2000)};
-  const Verdict verdict = judge_passivity({make_p3().device, VirtualWall{800, 0.4}, half, 0}, false);
+  const Verdict verdict =
+      judge_passivity({make_p3().device, VirtualWall{800, 0.4}, half, 0}, false);
   EXPECT_TRUE(verdict.passive);
   EXPECT_FALSE(find_criterion(verdict, "frequency_dependent").holds);
-  EXPECT_THAT(verdict.explanation, HasSubstr("too strict"));
+  EXPECT_TRUE(mentions(verdict.explanation, "too strict"));
 }
 
 TEST(Verdict, refuses_a_device_that_is_unstable_alone) {
@@ -158,12 +166,13 @@ TEST(Verdict, refuses_a_device_that_is_unstable_alone) {
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::numerical);
-    EXPECT_THAT(error.message(), HasSubstr("unstable"));
+    EXPECT_TRUE(mentions(error.message(), "unstable"));
   }
 }
 
 TEST(Verdict, curves_add_up_and_are_given_up_to_nyquist) {
-  const Verdict verdict = judge_passivity({make_rc_motor().device, VirtualWall{0.05, 1.5e-4}, {}, 0}, false);
+  const Verdict verdict =
+      judge_passivity({make_rc_motor().device, VirtualWall{0.05, 1.5e-4}, {}, 0}, false);
   const DampingCurves& c = verdict.curves;
   ASSERT_GT(c.frequency_hz.size(), 100U);
   for (std::size_t i = 0; i < c.frequency_hz.size(); ++i) {
@@ -174,7 +183,8 @@ TEST(Verdict, curves_add_up_and_are_given_up_to_nyquist) {
   }
   EXPECT_NEAR(c.frequency_hz.back(), 500, 1e-9);
   // The worst margin is no larger than any point of its curve.
-  EXPECT_LE(find_criterion(verdict, "exact_disk").margin, *std::min_element(c.exact.begin(), c.exact.end()));
+  EXPECT_LE(find_criterion(verdict, "exact_disk").margin,
+            *std::min_element(c.exact.begin(), c.exact.end()));
 }
 
 }  // namespace

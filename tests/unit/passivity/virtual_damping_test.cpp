@@ -1,10 +1,10 @@
 #include "gyrator/passivity/virtual_damping.hpp"
 
-#include "closed_forms.hpp"
-
 #include "gyrator/controllers/virtual_wall.hpp"
 
 #include <gtest/gtest.h>
+
+#include "closed_forms.hpp"
 
 namespace gyrator {
 namespace {
@@ -16,7 +16,9 @@ using passivity_tests::Random;
 // A handful of rounded operations on numbers of the size of |H| T / sin(wT/2).
 constexpr double rounding = 1e-14;
 
-Complex on_unit_circle(double omega, double period) { return std::polar(1.0, omega * period); }
+Complex on_unit_circle(double omega, double period) {
+  return std::polar(1.0, omega * period);
+}
 
 TEST(VirtualDamping, of_a_spring_is_minus_half_a_period_at_every_frequency) {
   const double K = 1234;

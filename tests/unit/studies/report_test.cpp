@@ -15,7 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "sample_results.hpp"
-#include "scratch_folder.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace gyrator {
 namespace {

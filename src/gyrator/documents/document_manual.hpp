@@ -1,0 +1,17 @@
+#pragma once
+
+#include "gyrator/documents/document_spec.hpp"
+
+#include <string>
+
+namespace gyrator {
+
+/// Markdown for the manual: a section per object with a table of key, unit, default, allowed and
+/// meaning. Objects with the same table (a velocity estimator in each controller) share a section
+/// whose heading names all places.
+std::string write_manual_table(const ObjectSpec& spec);
+
+/// The same for a document that is one of several (a variant).
+std::string write_manual_table(const Member& root);
+
+}  // namespace gyrator
