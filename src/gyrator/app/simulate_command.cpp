@@ -57,6 +57,7 @@ void run(const Options& options) {
   request.engine_options.max_steps = options.max_steps;
   if (!options.duration.empty()) request.duration = parse_option_time("--duration", options.duration);
   if (!options.trace_step.empty()) request.trace_step = parse_option_time("--trace-step", options.trace_step);
+  request.quiet = options.common.quiet;
   const Model model = load_model(options.common.model);
   const TimeRun simulated = run_simulation(model, request);
   if (!options.common.csv.empty()) write_csv(options.common.csv, simulated.trace.names, simulated.trace.columns);

@@ -2,8 +2,10 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include "gyrator/core/error.hpp"
 
@@ -183,8 +185,15 @@ Eigen::MatrixXcd solve_descriptor(const Descriptor& descriptor, std::complex<dou
   const Eigen::MatrixXcd pencil = s * descriptor.E.cast<std::complex<double>>() - descriptor.A;
   const Eigen::MatrixXcd solution = pencil.partialPivLu().solve(descriptor.B.cast<std::complex<double>>());
   if (!solution.allFinite()) {
-    throw Error(ErrorCode::numerical, "network",
-                fmt::format("the equations are singular at s = {:g}{:+g}j rad/s", s.real(), s.imag()));
+    // The unknown that the singular equations leave free, and the elements around it.
+    const Eigen::FullPivLU<Eigen::MatrixXcd> lu(pencil);
+    Eigen::Index unknown = 0;
+    if (pencil.allFinite()) lu.kernel().col(0).cwiseAbs().maxCoeff(&unknown);
+    throw Error(ErrorCode::numerical,
+                fmt::format("{}", fmt::join(descriptor.equation_elements[static_cast<std::size_t>(unknown)], ", ")),
+                fmt::format("the network's equations are singular to rounding at {:g} Hz: values out of all proportion "
+                            "to the others",
+                            std::abs(s) / (2 * std::numbers::pi)));
   }
   return solution;
 }

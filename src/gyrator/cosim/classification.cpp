@@ -7,29 +7,57 @@
 namespace gyrator {
 namespace {
 
+// Growth is told from at least this many cycles.
+constexpr std::size_t fewest_cycles = 2;
+
 double half_swing(std::span<const double> values) {
   if (values.empty()) return 0;
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   return (*high - *low) / 2;
 }
 
-// Mean frequency from the upward crossings of the middle value, interpolated between samples.
-double find_frequency(std::span<const double> velocity, double period) {
-  if (velocity.size() < 3) return 0;
+// One oscillation between two upward crossings of the middle value [samples].
+struct Cycle {
+  double start = 0, end = 0;
+  double swing = 0;
+};
+
+std::vector<Cycle> find_cycles(std::span<const double> velocity) {
+  std::vector<Cycle> cycles;
+  if (velocity.size() < 3) return cycles;
   const auto [low, high] = std::minmax_element(velocity.begin(), velocity.end());
   const double middle = (*low + *high) / 2;
-  double first = -1;
-  double last = -1;
-  int crossings = 0;
+  double start = -1;
+  std::size_t first = 0;
   for (std::size_t i = 1; i < velocity.size(); ++i) {
     const double before = velocity[i - 1] - middle;
     const double after = velocity[i] - middle;
     if (!(before < 0 && after >= 0)) continue;
-    last = static_cast<double>(i) - after / (after - before);
-    if (crossings == 0) first = last;
-    ++crossings;
+    const double crossing = static_cast<double>(i) - after / (after - before);
+    if (start >= 0) cycles.push_back({start, crossing, half_swing(velocity.subspan(first, i - first))});
+    start = crossing;
+    first = i;
   }
-  return crossings > 1 ? (crossings - 1) / ((last - first) * period) : 0;
+  return cycles;
+}
+
+// Growth of a motion without oscillation, from the sizes in the last three of `parts` parts.
+double find_steady_growth(std::span<const double> velocity, std::size_t parts) {
+  const std::size_t part = velocity.size() / parts;
+  if (part == 0) return 0;
+  const auto size_of = [&](std::size_t from_end) {
+    double largest = 0;
+    for (const double v : velocity.subspan(velocity.size() - from_end * part, part)) largest = std::max(largest, std::abs(v));
+    return largest;
+  };
+  const double early = size_of(3);
+  const double middle = size_of(2);
+  const double late = size_of(1);
+  if (early == 0 || middle == 0) return 0;
+  // An exponential grows by the same factor again; an oscillation on its way to a peak slows down.
+  const bool slows_down = late / middle < 0.99 * (middle / early);
+  const double growth = late / middle;
+  return growth > 1 && slows_down ? 0 : growth;
 }
 
 }  // namespace
@@ -46,17 +74,30 @@ std::string_view name_of(Outcome outcome) {
 Classification classify(const std::vector<double>& position, const std::vector<double>& velocity, double period,
                         bool stopped_early, const ClassificationOptions& options) {
   Classification c;
+  const std::span<const double> all(velocity);
   const std::size_t third = velocity.size() / 3;
-  const std::span<const double> tail = std::span(velocity).last(third);
-  const double early = half_swing(tail.first(third / 2));
-  const double late = half_swing(tail.last(third / 2));
-  const double largest = half_swing(velocity);
-  c.growth = early > 0 ? late / early : 0;
+  std::vector<Cycle> cycles;
+  for (const std::size_t window : {third, 2 * third, velocity.size()}) {
+    cycles = find_cycles(all.last(window));
+    if (cycles.size() >= fewest_cycles) break;
+  }
+  const bool oscillates = cycles.size() >= fewest_cycles;
+  const double largest = half_swing(all);
+  const double late = half_swing(all.last(third / 2));
+  if (oscillates) {
+    const double between = cycles.back().start - cycles.front().start;
+    const double sixth = static_cast<double>(velocity.size()) / 6;
+    const double ratio = cycles.front().swing > 0 ? cycles.back().swing / cycles.front().swing : 0;
+    c.growth = std::pow(ratio, sixth / between);
+    c.frequency_hz = static_cast<double>(cycles.size()) / ((cycles.back().end - cycles.front().start) * period);
+  } else {
+    c.growth = find_steady_growth(all, 6);
+  }
   c.amplitude = half_swing(std::span(position).last(third));
-  c.frequency_hz = find_frequency(tail, period);
   if (stopped_early) {
     c.outcome = Outcome::diverges;
-  } else if (late <= options.rest_fraction * largest || c.growth < 1 / options.growth_limit) {
+  } else if (late <= options.rest_fraction * largest || c.growth < 1 / options.growth_limit ||
+             (!oscillates && c.growth <= options.growth_limit)) {
     c.outcome = Outcome::settles;
   } else {
     c.outcome = c.growth > options.growth_limit ? Outcome::diverges : Outcome::limit_cycle;

@@ -9,12 +9,16 @@ enum class Outcome { settles, limit_cycle, diverges };
 
 std::string_view name_of(Outcome outcome);
 
-/// How a run ends, judged by the velocity in its last third (so that a device that drifts away at
-/// rest counts as settled):
-///   growth = swing in the second half of that third / swing in its first half     (cls-1)
-/// where the swing is half the peak-to-peak velocity. Diverges above `growth_limit`, or where the
-/// run was stopped; settles below 1/`growth_limit`, or where the swing is below `rest_fraction` of
-/// the run's largest; else a sustained oscillation.
+/// How a run ends, judged by the velocity at its end (so that a device that drifts away at rest
+/// counts as settled). The velocity is cut into cycles at its upward crossings of its middle value;
+/// with the swing s of a cycle, half its peak-to-peak velocity,
+///   growth = (s_last / s_first)^(h / (t_last - t_first))                          (cls-1)
+/// over the cycles of the run's last third, per h, a sixth of the run. Where the third holds fewer
+/// than two cycles, the last two thirds are taken, then the whole run. Without two cycles
+/// anywhere the motion does not oscillate: its growth is the ratio of its sizes in the last two
+/// sixths, and counts as such only if it does not slow down.
+/// Diverges above `growth_limit`, or where the run was stopped; settles below 1/`growth_limit`, or
+/// where the last swing is below `rest_fraction` of the run's largest; else a sustained oscillation.
 struct ClassificationOptions {
   double growth_limit = 1.02;
   double rest_fraction = 1e-4;

@@ -4,6 +4,8 @@
 #include <limits>
 #include <numbers>
 
+#include <fmt/core.h>
+
 #include "gyrator/core/error.hpp"
 
 namespace gyrator {
@@ -25,6 +27,11 @@ SampledPlant sample_plant(const Plant& plant, const Sampling& sampling) {
   }
   SampledPlant sampled;
   sampled.delay = split_delay(sampling);
+  if (sampled.delay.whole > most_sampled_delay_periods) {
+    throw Error(ErrorCode::bad_input, "sampling/delay",
+                fmt::format("{:g} s, {} sample periods: the loop's eigenvalues are computed for at most {}",
+                            sampling.delay.to_double(), sampled.delay.whole, most_sampled_delay_periods));
+  }
   sampled.sense = plant.sensor_position.state;
   const MatrixXd command = plant.B.col(0);
   const HeldStep first = discretize_held(plant.A, command, sampled.delay.rest);

@@ -16,6 +16,10 @@ struct SplitDelay {
 };
 SplitDelay split_delay(const Sampling& sampling);
 
+/// Every command under way is a state of the loop: longer delays than this are refused where
+/// eigenvalues are needed (bad_input).
+inline constexpr std::int64_t most_sampled_delay_periods = 500;
+
 /// The plant as the controller sees it, exact between samples:
 ///   ξ[k+1] = phi ξ[k] + late u[k-m-1] + recent u[k-m],   y[k] = sense ξ[k]         (smp-1)
 /// where u[k-m-1] still holds for the first `rest` of period k.

@@ -15,6 +15,9 @@ namespace {
 
 constexpr double runaway_ratio = 1e9;
 constexpr long samples_between_checks = 16;
+constexpr long samples_between_reports = 4096;
+constexpr double most_trace_bytes = 4e9;
+constexpr std::int64_t most_delay_periods = 10'000'000;
 
 double quantize(double position, const Sensor& sensor) {
   if (sensor.quantum > 0) position = sensor.quantum * std::floor(position / sensor.quantum + 0.5);
@@ -49,7 +52,7 @@ class Run {
         delay_(split_delay(sampling)),
         engine_(make_engine(options.engine, plant, options.engine_options)),
         controller_(controller, sampling.period.to_double()),
-        line_(delay_.whole),
+        line_(checked_delay(delay_.whole)),
         u_(0, options.external_effort),
         steps_(floor_divide(options.duration, sampling.period)) {
     if (steps_ < 1) {
@@ -92,12 +95,19 @@ class Run {
         engine_->advance(whole, t, u_, state_);
       }
       if (k % samples_between_checks == 0) check_size(k);
+      if (options_.on_progress && k % samples_between_reports == 0 && k > 0) options_.on_progress(samples_between_reports);
     }
     finish(k);
     return std::move(run_);
   }
 
  private:
+  static std::int64_t checked_delay(std::int64_t periods) {
+    if (periods <= most_delay_periods) return periods;
+    throw Error(ErrorCode::bad_input, "sampling/delay",
+                fmt::format("{} sample periods: at most {} can be simulated", periods, most_delay_periods));
+  }
+
   // k num / den, correctly rounded while k num is below 2^53.
   double time_at(long k) const {
     return static_cast<double>(k) * static_cast<double>(sampling_.period.num()) /
@@ -154,6 +164,15 @@ class Run {
       names.insert(names.end(), {"energy_operator", "energy_source", "energy_stored", "energy_dissipated"});
     }
     run_.trace.columns.assign(names.size(), {});
+    const double step = options_.trace_step ? std::min(options_.trace_step->to_double(), delay_.period) : delay_.period;
+    const double rows = delay_.period * static_cast<double>(steps_) / step / static_cast<double>(options_.record_every);
+    const double bytes = rows * static_cast<double>(names.size() * sizeof(double));
+    if (recording_ && bytes > most_trace_bytes) {
+      throw Error(ErrorCode::bad_input, "simulation/duration",
+                  fmt::format("{:g} s: the trace would have {:.3g} rows and take {:.3g} GB of memory: at most {:g} GB; "
+                              "shorten the duration or lengthen the trace step",
+                              options_.duration.to_double(), rows, bytes * 1e-9, most_trace_bytes * 1e-9));
+    }
     if (recording_ && !options_.trace_step) {
       for (auto& column : run_.trace.columns) column.reserve(static_cast<std::size_t>(steps_) + 1);
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,6 +30,7 @@ struct SimulationOptions {
   bool record = true;                  ///< keep the trace's columns
   long record_every = 1;               ///< samples per row, for long runs
   ClassificationOptions classification;
+  std::function<void(long)> on_progress;  ///< called now and then with the samples done since the last call
 };
 
 /// Energies since t = 0 [J]; operator + source = (stored - stored at start) + dissipated + residual.

@@ -83,6 +83,51 @@ Signal append_position(Plant& plant, std::string name, const Signal& velocity, s
 
 Signal as_signal(std::string name, const ReducedForm& form) { return {std::move(name), form.state, form.input}; }
 
+// Poles of the network and the elements that take part in them.
+class Modes {
+ public:
+  explicit Modes(const DeviceNetwork& device)
+      : network_(device.network), equations_(device.network), reduction_(reduce(equations_.descriptor())) {
+    if (reduction_.A.rows() == 0) return;
+    MatrixXd balanced = reduction_.A;
+    const VectorXd scale = balance(balanced);
+    const Eigen::EigenSolver<MatrixXd> solver(balanced);
+    poles_ = solver.eigenvalues();
+    vectors_ = scale.asDiagonal() * solver.eigenvectors();
+  }
+
+  Index count() const { return poles_.size(); }
+  const Eigen::VectorXcd& poles() const { return poles_; }
+
+  // The element that stores most of the mode's energy.
+  std::string main_element(Index mode) const {
+    const Eigen::VectorXcd unknowns = reduction_.recover_state * vectors_.col(mode);
+    std::string name;
+    double most = -1;
+    const auto& elements = network_.elements();
+    for (int e = 0; e < static_cast<int>(elements.size()); ++e) {
+      const Element& element = elements[static_cast<std::size_t>(e)];
+      double energy = -1;
+      if (const auto* c = std::get_if<Capacitor>(&element.law)) {
+        energy = c->capacitance * std::norm((equations_.across(ElementId{e}).x * unknowns)(0));
+      } else if (const auto* l = std::get_if<Inductor>(&element.law)) {
+        energy = l->inductance * std::norm((equations_.through(ElementId{e}).x * unknowns)(0));
+      }
+      if (energy <= most || element.role != Role::device) continue;
+      most = energy;
+      name = element.name;
+    }
+    return name;
+  }
+
+ private:
+  const Network& network_;
+  NetworkEquations equations_;
+  Reduction reduction_;
+  Eigen::VectorXcd poles_;
+  Eigen::MatrixXcd vectors_;
+};
+
 }  // namespace
 
 Plant build_plant(const DeviceNetwork& device) {
@@ -143,34 +188,20 @@ Plant build_plant(const DeviceNetwork& device) {
 }
 
 std::optional<UnstablePole> find_unstable_pole(const DeviceNetwork& device) {
-  const NetworkEquations equations(device.network);
-  const Reduction reduction = reduce(equations.descriptor());
-  if (reduction.A.rows() == 0) return std::nullopt;
-  const Eigen::EigenSolver<MatrixXd> solver(reduction.A);
-  const VectorXd real = solver.eigenvalues().real();
+  const Modes modes(device);
+  if (modes.count() == 0) return std::nullopt;
   Index worst = 0;
-  const double largest = real.maxCoeff(&worst);
-  const double scale = solver.eigenvalues().cwiseAbs().maxCoeff();
-  if (!(largest > 1e-9 * scale)) return std::nullopt;
+  const double largest = modes.poles().real().maxCoeff(&worst);
+  if (!(largest > 1e-9 * modes.poles().cwiseAbs().maxCoeff())) return std::nullopt;
+  return UnstablePole{largest, std::abs(modes.poles()(worst).imag()), modes.main_element(worst)};
+}
 
-  UnstablePole pole{largest, std::abs(solver.eigenvalues()(worst).imag()), ""};
-  const Eigen::VectorXcd unknowns = reduction.recover_state * solver.eigenvectors().col(worst);
-  double most = -1;
-  const auto& elements = device.network.elements();
-  for (int e = 0; e < static_cast<int>(elements.size()); ++e) {
-    const Element& element = elements[static_cast<std::size_t>(e)];
-    double energy = -1;
-    if (const auto* c = std::get_if<Capacitor>(&element.law)) {
-      energy = c->capacitance * std::norm((equations.across(ElementId{e}).x * unknowns)(0));
-    } else if (const auto* l = std::get_if<Inductor>(&element.law)) {
-      energy = l->inductance * std::norm((equations.through(ElementId{e}).x * unknowns)(0));
-    }
-    if (energy > most && element.role == Role::device) {
-      most = energy;
-      pole.element = element.name;
-    }
-  }
-  return pole;
+FastestElement find_fastest_element(const DeviceNetwork& device) {
+  const Modes modes(device);
+  if (modes.count() == 0) return {};
+  Index fastest = 0;
+  const double rate = modes.poles().cwiseAbs().maxCoeff(&fastest);
+  return {rate, modes.main_element(fastest)};
 }
 
 void require_stable_device(const Device& device) {

@@ -50,6 +50,13 @@ struct UnstablePole {
 };
 std::optional<UnstablePole> find_unstable_pole(const DeviceNetwork& device);
 
+/// The element that takes most part in the plant's fastest pole, and that pole's rate [rad/s].
+struct FastestElement {
+  double rate = 0;
+  std::string element;
+};
+FastestElement find_fastest_element(const DeviceNetwork& device);
+
 /// Throws numerical naming pole and element where the device alone is unstable.
 void require_stable_device(const Device& device);
 

@@ -6,6 +6,8 @@
 
 #include <nlopt.hpp>
 
+#include "gyrator/core/error.hpp"
+#include "gyrator/core/interrupt.hpp"
 #include "gyrator/cosim/sampled_plant.hpp"
 
 namespace gyrator {
@@ -107,6 +109,7 @@ class Search {
   }
 
   Counterexample judge(const MassSpringDamper& held_by) const {
+    throw_if_interrupted("passivity");
     return judge_operator(device_, sampling_, law_, held_by);
   }
 
@@ -195,8 +198,13 @@ std::optional<Counterexample> find_counterexample(const Device& device, const Sa
     add_family(wanted, search.inertia_scale(), operators);
     if (const auto both = solve_both(wanted, disk.period())) operators.push_back(*both);
   }
+  // A loop with a long delay has a large matrix: there the search is kept to a few seconds.
+  const auto delay_states = static_cast<double>(split_delay(sampling).whole);
+  const double flops = 25 * std::pow(10 + delay_states, 3);
+  const int affordable = static_cast<int>(std::clamp(4e9 / flops, 8.0, 1e4));
   std::vector<Counterexample> candidates;
   for (const auto& held_by : operators) {
+    if (static_cast<int>(candidates.size()) >= affordable) break;
     if (search.in_proportion(held_by)) candidates.push_back(search.judge(search.without_trifles(held_by)));
   }
   const auto stronger = [](const Counterexample& a, const Counterexample& b) {
@@ -210,8 +218,8 @@ std::optional<Counterexample> find_counterexample(const Device& device, const Sa
     if (resonator && best.spectral_radius > 1 + clearly_growing) break;
     const std::size_t count = std::min<std::size_t>(refined_candidates, candidates.size());
     for (std::size_t i = 0; i < count; ++i) {
-      const Counterexample refined =
-          search.improve(candidates[i], resonator, resonator ? 250 : 80);
+      const int evaluations = std::min(resonator ? 250 : 80, affordable / refined_candidates);
+      const Counterexample refined = search.improve(candidates[i], resonator, evaluations);
       if (stronger(refined, best)) best = refined;
       if (best.spectral_radius > 1 + 1e-4) break;
     }

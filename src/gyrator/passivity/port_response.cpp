@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "gyrator/circuits/reduction.hpp"
+#include "gyrator/core/interrupt.hpp"
 
 namespace gyrator {
 namespace {
@@ -47,6 +48,7 @@ std::vector<PortResponse> compute_port_response(const Device& device, const std:
   std::vector<PortResponse> responses;
   responses.reserve(frequency_hz.size());
   for (const double frequency : frequency_hz) {
+    throw_if_interrupted("impedance");
     const double omega = 2 * std::numbers::pi * frequency;
     const Eigen::MatrixXcd x = solve_descriptor(equations.descriptor(), Complex(0, omega));
     Eigen::MatrixXcd admittance(2, x.cols());

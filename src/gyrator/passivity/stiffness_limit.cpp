@@ -18,9 +18,10 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// First K >= 0 at which value + slope K + curvature K^2 falls to zero.
-double first_root(double value, double slope, double curvature) {
-  if (!(value > 0)) return 0;
+// First K >= 0 at which value + slope K + curvature K^2 falls to zero. `value` below rounding of the
+// `size` of what it was summed from is zero.
+double first_root(double value, double slope, double curvature, double size) {
+  if (!(value > 1e-13 * size)) return 0;
   const double discriminant = slope * slope - 4 * curvature * value;
   if (std::isinf(curvature)) return curvature < 0 ? 0 : infinity;
   if (discriminant < 0) return infinity;
@@ -105,7 +106,8 @@ StiffnessLimit StiffnessLimits::find_frequency_dependent(double virtual_damping)
   const auto limit = [&](double omega, double damping, Complex velocity) {
     const Complex late = std::polar(1.0, -omega * delay);
     const double available = damping + compute_virtual_damping(omega, period_, late * velocity * virtual_damping);
-    return first_root(available, compute_virtual_damping(omega, period_, late), 0);
+    return first_root(available, compute_virtual_damping(omega, period_, late), 0,
+                      damping + std::abs(virtual_damping));
   };
   std::vector<double> values;
   for (std::size_t i = 0; i < grid_.size(); ++i) {
@@ -123,7 +125,8 @@ StiffnessLimit StiffnessLimits::find_exact_disk(double virtual_damping) {
   const auto limit = [&](const DiskPoint& point, Complex velocity) {
     const Complex damper = virtual_damping * velocity;
     return first_root(point.damping_margin(damper),
-                      2 * point.scaled_center.real() + 2 * damper.real() * point.scaled_gap, point.scaled_gap);
+                      2 * point.scaled_center.real() + 2 * damper.real() * point.scaled_gap, point.scaled_gap,
+                      point.damping + std::abs(virtual_damping));
   };
   std::vector<double> values;
   const auto& points = disks();

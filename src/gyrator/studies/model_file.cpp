@@ -3,6 +3,7 @@
 #include "gyrator/core/error.hpp"
 #include "gyrator/documents/document_reader.hpp"
 #include "gyrator/documents/json_text.hpp"
+#include "gyrator/plots/pretty_text.hpp"
 #include "gyrator/studies/model_format.hpp"
 
 namespace gyrator {
@@ -86,6 +87,11 @@ void check_together(const Model& model, const json& source, const std::string& f
     throw Error(ErrorCode::bad_input, file + ": /motor",
                 "missing: the circuits in \"damping\" hang across a motor: add \"motor\"");
   }
+  try {
+    build_device_network(model.device, FreeOperator{});
+  } catch (const Error& error) {
+    throw Error(error.code(), file + ": /" + error.place(), error.message());
+  }
   const auto* wall = std::get_if<VirtualWall>(&model.controller);
   if (wall && wall->no_pull && !wall->unilateral) {
     throw Error(ErrorCode::bad_input, file + ": /controller/no_pull",
@@ -98,7 +104,8 @@ void check_together(const Model& model, const json& source, const std::string& f
 Model parse_model(const json& document, const std::string& file) {
   const json m = read_document(document, model_format(), file);
   Model model;
-  model.name = m["name"];
+  model.name = plain_text(m["name"].get<std::string>());
+  model.file = file;
   model.device.motion = m["motion"] == "rotary" ? Motion::rotary : Motion::linear;
   model.device.drive = drive_of(m);
   model.device.mechanics = mechanics_of(m["mechanics"]);

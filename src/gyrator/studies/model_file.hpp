@@ -12,7 +12,8 @@ namespace gyrator {
 
 /// Everything a model file says, validated, in SI units.
 struct Model {
-  std::string name;
+  std::string name;  ///< free of control characters
+  std::string file;  ///< for messages
   Device device;
   Sensor sensor;
   Controller controller;

@@ -98,6 +98,17 @@ json counterexample_json(const Model& model, const Counterexample& found, bool w
   return result;
 }
 
+// Analyses know keys, not files: put the model's name in front of what they refuse.
+template <class Function>
+auto naming_file(const Model& model, const Function& analyse) {
+  try {
+    return analyse();
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::bad_input) throw;
+    throw Error(error.code(), model.file + ": /" + error.place(), error.message());
+  }
+}
+
 const VirtualWall* wall_of(const Model& model) { return std::get_if<VirtualWall>(&model.controller); }
 
 }  // namespace
@@ -125,7 +136,8 @@ json make_impedance_result(const Model& model, const std::vector<double>& freque
 }
 
 json make_passivity_result(const Model& model, const PassivityRequest& request) {
-  const Verdict v = judge_passivity(model.passivity_model(), request.search_counterexample);
+  const Verdict v =
+      naming_file(model, [&] { return judge_passivity(model.passivity_model(), request.search_counterexample); });
   json result = start_result("passivity", model);
   result["verdict"] = v.passive ? "passive" : "not_passive";
   result["explanation"] = v.explanation;
@@ -155,16 +167,19 @@ std::vector<double> choose_damping_range(const Model& model, int points) {
   const auto* wall = wall_of(model);
   StiffnessLimits limits(model.device, model.sampling, wall ? wall->velocity : DifferenceEstimator{}, model.held_by);
   const double b = limits.disk().model().at(limits.grid().front()).impedance.real();
+  const auto feasible = [&](double damping) {
+    return naming_file(model, [&] { return limits.find(Criterion::exact_disk, damping).feasible; });
+  };
   // Upwards until the exact disk allows no stiffness any more.
   double high = std::max(b, 1e-12);
   double low = 0;
-  for (int i = 0; i < 60 && limits.find(Criterion::exact_disk, high).feasible; ++i) {
+  for (int i = 0; i < 60 && feasible(high); ++i) {
     low = high;
     high *= 2;
   }
   for (int i = 0; i < 20; ++i) {
     const double middle = (low + high) / 2;
-    (limits.find(Criterion::exact_disk, middle).feasible ? low : high) = middle;
+    (feasible(middle) ? low : high) = middle;
   }
   std::vector<double> damping;
   for (int i = 0; i < points; ++i) damping.push_back(-b + (high + b) * i / std::max(1, points - 1));
@@ -184,7 +199,7 @@ json make_zwidth_result(const Model& model, const ZwidthRequest& request) {
     json frequency = json::array();
     for (const double damping : request.damping) {
       throw_if_interrupted("zwidth");
-      const StiffnessLimit limit = limits.find(criterion, damping);
+      const StiffnessLimit limit = naming_file(model, [&] { return limits.find(criterion, damping); });
       stiffness.push_back(finite_or_null(limit.stiffness));
       feasible.push_back(limit.feasible);
       frequency.push_back(limit.worst_frequency_hz);
@@ -202,9 +217,30 @@ json make_zwidth_result(const Model& model, const ZwidthRequest& request) {
   return result;
 }
 
+namespace {
+
+// The ledger is the check of every run: what it cannot account for did not happen.
+void check_ledger(const Model& model, const TimeRun& run, double tolerance) {
+  const EnergyLedger& e = run.energy;
+  const double moved = std::abs(e.operator_work) + std::abs(e.source) + e.dissipated + e.stored + e.stored_initially;
+  if (std::abs(e.residual) <= tolerance * moved) return;
+  const FastestElement fastest = find_fastest_element(build_device_network(model.device, model.held_by));
+  if (!std::isfinite(e.residual)) {
+    throw Error(ErrorCode::numerical, fmt::format("t = {:g} s", run.final_time_s),
+                "the numbers of the run overflow: initial values or a component out of all proportion");
+  }
+  throw Error(ErrorCode::numerical, fastest.element,
+              fmt::format("the energy ledger does not close (residual {:.3g} J of {:.3g} J moved, t = {:g} s): this element "
+                          "gives a pole at {:.3g} rad/s, too fast to be resolved beside the sampling; leave it out (0) or "
+                          "give it a realistic value",
+                          e.residual, moved, run.final_time_s, fastest.rate));
+}
+
+}  // namespace
+
 TimeRun run_simulation(const Model& model, const SimulationRequest& request) {
   if (model.device.mechanics.coulomb_friction > 0) {
-    throw Error(ErrorCode::bad_input, "mechanics/coulomb_friction",
+    throw Error(ErrorCode::bad_input, model.file + ": /mechanics/coulomb_friction",
                 fmt::format("{:g}: simulate takes devices without Coulomb friction only; set it to 0 (the criterion "
                             "quantized_coulomb of `passivity` uses it)",
                             model.device.mechanics.coulomb_friction));
@@ -218,8 +254,20 @@ TimeRun run_simulation(const Model& model, const SimulationRequest& request) {
   options.engine = request.engine;
   options.engine_options = request.engine_options;
   options.trace_step = request.trace_step;
+  const double samples = options.duration.to_double() / model.sampling.period.to_double();
+  Progress progress("simulate", static_cast<std::uint64_t>(samples), request.quiet);
+  options.on_progress = [&](long done) { progress.advance(static_cast<std::uint64_t>(done)); };
   const Plant plant = build_plant(build_device_network(model.device, model.held_by));
-  return simulate(plant, model.sensor, model.controller, model.sampling, options);
+  try {
+    TimeRun run = simulate(plant, model.sensor, model.controller, model.sampling, options);
+    check_ledger(model, run, std::max(1e-6, 100 * request.engine_options.relative_tolerance));
+    return run;
+  } catch (const Error& error) {
+    // The simulation knows keys, not files and options.
+    if (error.code() != ErrorCode::bad_input) throw;
+    const bool option = error.place() == "simulation/duration" && request.duration;
+    throw Error(error.code(), option ? "--duration" : model.file + ": /" + error.place(), error.message());
+  }
 }
 
 json make_simulation_result(const Model& model, const SimulationRequest& request, const TimeRun& run) {

@@ -39,8 +39,10 @@ struct SimulationRequest {
   EngineKind engine = EngineKind::exact;
   EngineOptions engine_options;
   std::optional<Rational> duration, trace_step;
+  bool quiet = true;  ///< no progress bar
 };
-/// The run itself (for CSV).
+/// The run itself (for CSV). Throws numerical, naming the element, where the numbers of the run
+/// cannot be trusted: overflow, or an energy ledger that does not close.
 TimeRun run_simulation(const Model& model, const SimulationRequest& request);
 /// The run as a result; long traces are thinned for it.
 nlohmann::json make_simulation_result(const Model& model, const SimulationRequest& request, const TimeRun& run);

@@ -11,10 +11,11 @@
 namespace gyrator {
 namespace {
 
-// A node "a" against ground and a place for one element named "x".
+// A node "a" against ground with an ammeter (element 0), and a place for one element named "x".
 struct Bench {
   Network network;
   NodeId a = network.add_node("a", Domain::electrical);
+  ElementId ammeter = network.add("ammeter", a, ground, VoltageSource{});
 
   // The message of the refusal of `law`, which must be bad_input at the element itself.
   std::string refuse(const ElementLaw& law) {
@@ -105,7 +106,7 @@ TEST(Network, names_of_elements_are_unique) {
     EXPECT_EQ(error.place(), "x");
     EXPECT_NE(error.message().find("unique"), std::string::npos);
   }
-  EXPECT_EQ(bench.network.elements().size(), 1U);
+  EXPECT_EQ(bench.network.elements().size(), 2U);
 }
 
 TEST(Network, an_element_at_an_unknown_node_is_refused_with_the_node_number) {
@@ -123,7 +124,24 @@ TEST(Network, an_element_at_an_unknown_node_is_refused_with_the_node_number) {
       }
     }
   }
-  EXPECT_TRUE(bench.network.elements().empty());
+  EXPECT_EQ(bench.network.elements().size(), 1U) << "the ammeter alone";
+}
+
+TEST(Network, a_second_port_a_control_or_an_input_that_does_not_exist_is_refused) {
+  // Each would be written outside of the equations.
+  const NodeId none{7};
+  const std::vector<ElementLaw> laws{VoltageControlledVoltageSource{1, none, ground},
+                                     VoltageControlledCurrentSource{1, ground, none},
+                                     Transformer{1, none, ground},
+                                     Gyrator{1, ground, none},
+                                     CurrentControlledVoltageSource{1, ElementId{5}},
+                                     CurrentControlledCurrentSource{1, ElementId{-1}},
+                                     VoltageSource{2},
+                                     CurrentSource{-1}};
+  for (std::size_t kind = 0; kind < laws.size(); ++kind) {
+    Bench bench;
+    EXPECT_NE(bench.refuse(laws[kind]).find("does not exist"), std::string::npos) << kind;
+  }
 }
 
 TEST(Network, both_sides_of_a_two_port_count_as_touching_a_node) {

@@ -203,7 +203,7 @@ TEST(QuadraticForm, inverts_differentiation) {
     EXPECT_LE((W - expected).norm(), 1e-11 * std::max(1.0, expected.norm())) << trial;
     EXPECT_LE((W - W.transpose()).norm(), rounding * W.norm()) << trial;
   }
-  const MatrixXd W = integrate_quadratic_forms(scalar(-1), scalar(1), {MatrixXd::Ones(2, 2)}, 0).front();
+}
 
 TEST(QuadraticForm, several_at_once_are_each_by_itself) {
   std::mt19937 generator(9);
