@@ -1,13 +1,17 @@
 #include "common_options.hpp"
 
-#include <cstdio>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
 
 #include <fmt/core.h>
 
 #include "gyrator/core/error.hpp"
+#include "gyrator/core/text.hpp"
 #include "gyrator/documents/output_file.hpp"
 #include "gyrator/plots/plot.hpp"
 #include "gyrator/studies/result_figures.hpp"
+#include "usage_errors.hpp"
 
 namespace gyrator::app {
 namespace {
@@ -27,16 +31,31 @@ auto naming(const std::string& option, const Function& parse) {
   }
 }
 
+// Devices and pipes (/dev/null) may be given as often as one likes.
+bool is_same_file(const std::string& a, const std::string& b) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  for (const auto& path : {a, b}) {
+    if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) return false;
+  }
+  if (fs::exists(a, ignored) && fs::exists(b, ignored)) return fs::equivalent(a, b, ignored);
+  const auto whole = [&](const std::string& path) { return fs::weakly_canonical(fs::absolute(path), ignored); };
+  return whole(a) == whole(b);
+}
+
 }  // namespace
 
 void add_common_options(CLI::App& command, CommonOptions& options, const std::string& csv_help,
                         const std::string& example) {
-  command.add_option("MODEL", options.model, "Model file (JSON)")->required();
+  command.add_option("MODEL", options.model, "Model file (JSON)")->required()->check(not_empty());
   command.add_flag("--json", options.json, "Print one JSON object and nothing else");
-  command.add_option("-o,--output", options.output, "Write the result as JSON, for `gyrator report`")->type_name("FILE");
-  command.add_option("--csv", options.csv, csv_help)->type_name("FILE");
-  command.add_option("--svg", options.svg, "Draw the result as SVG")->type_name("FILE");
-  command.add_option("--png", options.png, "Draw the result as PNG")->type_name("FILE");
+  const auto add_file = [&](const char* name, std::string& path, const std::string& help) {
+    command.add_option(name, path, help)->type_name("FILE")->check(not_empty());
+  };
+  add_file("-o,--output", options.output, "Write the result as JSON, for `gyrator report`");
+  add_file("--csv", options.csv, csv_help);
+  add_file("--svg", options.svg, "Draw the result as SVG");
+  add_file("--png", options.png, "Draw the result as PNG");
   command.add_flag("--quiet", options.quiet, "No text and no progress, only files and the exit code");
   command.add_flag("--verbose", options.verbose, "More detail");
   command.footer("Example:\n  " + example);
@@ -49,27 +68,52 @@ void check_outputs(const CommonOptions& options) {
   if (!options.png.empty() && !options.png.ends_with(".png")) {
     throw Error(ErrorCode::bad_input, "--png", options.png + ": the name must end in .png");
   }
+  check_files({{"the model", options.model}},
+              {{"--output", options.output}, {"--csv", options.csv}, {"--svg", options.svg}, {"--png", options.png}});
+}
+
+void check_files(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& outputs) {
+  std::vector<NamedFile> taken = inputs;
+  for (const auto& output : outputs) {
+    if (output.path.empty()) continue;
+    for (const auto& other : taken) {
+      if (!is_same_file(output.path, other.path)) continue;
+      throw Error(ErrorCode::bad_input, output.name,
+                  fmt::format("'{}': would overwrite {}: give it a name of its own", output.path, other.name));
+    }
+    taken.push_back(output);
+  }
+  for (const auto& output : outputs) {
+    if (!output.path.empty()) check_writable(output.path);
+  }
 }
 
 void deliver(const CommonOptions& options, nlohmann::json result, const std::string& text) {
   result["command_line"] = command_line();
   if (!options.svg.empty()) render_figure(result_figure(result), options.svg);
   if (!options.png.empty()) render_figure(result_figure(result), options.png);
-  if (!options.output.empty()) write_text_file(options.output, result.dump(1) + "\n");
+  // A file's name on the command line need not be UTF-8, which JSON is.
+  const auto dump = [&](int indent) {
+    return result.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace);
+  };
+  if (!options.output.empty()) write_text_file(options.output, dump(1) + "\n");
   if (options.json) {
-    fmt::print("{}\n", result.dump());
+    fmt::print("{}\n", dump(-1));
   } else if (!options.quiet) {
     fmt::print("{}", text);
   }
+}
+
+std::string describe_frequency(double hz) {
+  if (hz < 1e-3) return "-> 0 Hz";
+  return format_quantity(std::strtod(fmt::format("{:.4g}", hz).c_str(), nullptr), dimension::frequency);
 }
 
 std::vector<double> parse_list(const std::string& option, const std::string& text, const Unit& unit) {
   std::vector<double> values;
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t comma = std::min(text.find(',', at), text.size());
-    std::string item = text.substr(at, comma - at);
-    item.erase(0, item.find_first_not_of(' '));
-    values.push_back(parse_option(option, item, unit));
+    values.push_back(parse_option(option, text.substr(at, comma - at), unit));
     at = comma + 1;
   }
   return values;
@@ -81,7 +125,11 @@ double parse_option(const std::string& option, const std::string& text, const Un
 
 Rational parse_option_time(const std::string& option, const std::string& text) {
   const Rational time = naming(option, [&] { return parse_time(text); });
-  if (time <= Rational(0)) throw Error(ErrorCode::bad_input, option, text + ": must be longer than 0 s");
+  if (time <= Rational(0)) {
+    const auto number = find_decimal(text);
+    const bool is_bare = number && number->length == text.size();
+    throw Error(ErrorCode::bad_input, option, fmt::format("{}{}: must be longer than 0 s", text, is_bare ? " s" : ""));
+  }
   return time;
 }
 

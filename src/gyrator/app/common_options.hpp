@@ -24,11 +24,22 @@ struct CommonOptions {
 void add_common_options(CLI::App& command, CommonOptions& options, const std::string& csv_help,
                         const std::string& example);
 
-/// Fails before long work where an output could not be written as asked.
+/// Fails before long work where an output could not be written as asked, or would overwrite the
+/// model or another output.
 void check_outputs(const CommonOptions& options);
+
+struct NamedFile {
+  std::string name;  ///< "--csv", "the model"
+  std::string path;  ///< empty where it was not asked for
+};
+void check_files(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& outputs);
 
 /// Plots, the result file, and on stdout `text` or, with --json, the result.
 void deliver(const CommonOptions& options, nlohmann::json result, const std::string& text);
+
+/// A frequency with four digits for tables and sentences. Far below the slowest pole it stands for
+/// the limit at zero.
+std::string describe_frequency(double hz);
 
 /// "1, 10, 2 kHz" as numbers in the expected unit; bare numbers are SI. Errors name the option.
 std::vector<double> parse_list(const std::string& option, const std::string& text, const Unit& unit);

@@ -11,6 +11,7 @@
 #include "gyrator/documents/csv.hpp"
 #include "gyrator/studies/model_format.hpp"
 #include "gyrator/studies/results.hpp"
+#include "usage_errors.hpp"
 
 namespace gyrator::app {
 namespace {
@@ -43,23 +44,25 @@ std::vector<double> choose_frequencies(const Options& options) {
   return frequency;
 }
 
-std::string describe(const Model& model, const nlohmann::json& result) {
+std::string describe(const Model& model, const nlohmann::json& result, bool verbose) {
   const MotionUnits& units = units_of(model.device.motion);
   std::string text = fmt::format("{}: impedance at the operator port\n\n{:>12}  {:>12}  {:>12}  {:>12}  {:>9}  {:>9}\n",
                                  model.name, "frequency", "|Z|", "Re Z", "Im Z", "|A|", "phase A");
   text += fmt::format("{:>12}  {:>12}  {:>12}  {:>12}  {:>9}  {:>9}\n", "Hz", units.damping.symbol,
                       units.damping.symbol, units.damping.symbol, "1", "deg");
   const auto& frequency = result["frequency_hz"];
-  // A table that fits a screen; the rest is in --csv and --json.
-  const std::size_t stride = std::max<std::size_t>(1, (frequency.size() + 24) / 25);
+  // A table that fits a screen; the rest is in --verbose, --csv and --json.
+  const std::size_t stride = verbose ? 1 : std::max<std::size_t>(1, (frequency.size() + 24) / 25);
   for (std::size_t i = 0; i < frequency.size(); i += stride) {
     const std::complex<double> z(result["impedance_real"][i], result["impedance_imag"][i]);
     const std::complex<double> a(result["actuation_real"][i], result["actuation_imag"][i]);
+    const double phase = std::round(std::arg(a) * 180e3 / std::numbers::pi) / 1e3;
+    // Adding zero turns -0 into 0.
     text += fmt::format("{:12.5g}  {:12.5g}  {:12.5g}  {:12.5g}  {:9.4g}  {:9.3f}\n", frequency[i].get<double>(),
-                        std::abs(z), z.real(), z.imag(), std::abs(a), std::arg(a) * 180 / std::numbers::pi);
+                        std::abs(z), z.real() + 0.0, z.imag() + 0.0, std::abs(a), phase + 0.0);
   }
   if (stride > 1) {
-    text += fmt::format("\n{} frequencies computed; --csv or --json gives them all, --png or --svg a plot.\n",
+    text += fmt::format("\n{} frequencies computed; --verbose, --csv or --json gives them all, --png or --svg a plot.\n",
                         frequency.size());
   }
   return text;
@@ -76,7 +79,7 @@ void run(const Options& options) {
     for (const auto& name : names) columns.push_back(result[name]);
     write_csv(options.common.csv, names, columns);
   }
-  deliver(options.common, result, describe(model, result));
+  deliver(options.common, result, describe(model, result, options.common.verbose));
 }
 
 }  // namespace
@@ -87,12 +90,16 @@ void add_impedance_command(CLI::App& app, int&) {
       "impedance", "Impedance Z at the operator port, its damping Re Z, and the actuation path A, over frequency");
   add_common_options(*command, options->common, "Write frequency, Z and A as columns",
                      "gyrator impedance examples/rc_display.json --from 0.1 --to 10kHz --png z.png");
-  command->add_option("--frequency", options->frequencies, "Frequencies, such as 1,10,2kHz (Hz)")->type_name("LIST");
-  command->add_option("--from", options->from, "Lowest frequency of a logarithmic sweep (Hz)")->capture_default_str();
-  command->add_option("--to", options->to, "Highest frequency (Hz)")->capture_default_str();
+  auto* list = command->add_option("--frequency", options->frequencies, "Frequencies, such as 1,10,2kHz (Hz)")
+                   ->type_name("LIST")
+                   ->check(not_empty());
+  command->add_option("--from", options->from, "Lowest frequency of a logarithmic sweep (Hz)")
+      ->capture_default_str()
+      ->excludes(list);
+  command->add_option("--to", options->to, "Highest frequency (Hz)")->capture_default_str()->excludes(list);
   command->add_option("--points", options->points, "Number of frequencies")
       ->capture_default_str()
-      ->check(CLI::Range(2, 1000000));
+      ->check(whole_number_between(2, 1000000));
   command->callback([options] { run(*options); });
 }
 

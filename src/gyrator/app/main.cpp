@@ -1,7 +1,10 @@
 // gyrator: argv in, exit code out. The commands are one file each beside this one.
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
+#include <system_error>
 
 #include <fmt/core.h>
 
@@ -10,6 +13,7 @@
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/interrupt.hpp"
 #include "gyrator/version.hpp"
+#include "usage_errors.hpp"
 
 namespace {
 
@@ -34,10 +38,19 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    app.exit(error);
+    std::fprintf(stderr, "gyrator: %s\n", gyrator::app::describe_usage_error(app, error).c_str());
     return usage_error;
   }
   return exit_code;
+}
+
+// A full disk may show only when the last of stdout is written.
+int finish_stdout(int exit_code) {
+  errno = 0;
+  const bool failed = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
+  if (!failed) return exit_code;
+  std::fprintf(stderr, "gyrator: stdout: cannot be written: %s\n", std::strerror(errno != 0 ? errno : EIO));
+  return usage_error;
 }
 
 }  // namespace
@@ -46,10 +59,13 @@ int main(int argc, char** argv) {
   gyrator::install_interrupt_handler();
   gyrator::app::remember_command_line(argc, argv);
   try {
-    return run(argc, argv);
+    return finish_stdout(run(argc, argv));
   } catch (const gyrator::Error& error) {
     std::fprintf(stderr, "gyrator: %s\n", error.what());
     return static_cast<int>(error.code());
+  } catch (const std::system_error& error) {  // what printing to a full stdout throws
+    std::fprintf(stderr, "gyrator: stdout: cannot be written: %s\n", error.code().message().c_str());
+    return usage_error;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "gyrator: internal error: %s\n", error.what());
     return internal_error;

@@ -18,14 +18,18 @@ struct Options {
   bool no_counterexample = false;
 };
 
-// Frequencies far below the slowest pole stand for the limit at zero.
-std::string describe_frequency(const nlohmann::json& hz) {
-  if (hz.is_null()) return "-";
-  return hz < 1e-3 ? "-> 0 Hz" : fmt::format("{:.4g} Hz", hz.get<double>());
+std::string describe_limit(const nlohmann::json& stiffness, const Unit& unit) {
+  if (stiffness.is_null()) return "-";
+  return stiffness == 0 ? "none" : format_quantity(stiffness, unit);
 }
 
-std::string describe_limit(const nlohmann::json& stiffness, const Unit& unit) {
-  return stiffness.is_null() ? "-" : format_quantity(stiffness, unit);
+// The verdict's reason without the verdict, which stands before it.
+std::string describe_reason(std::string explanation) {
+  constexpr std::string_view verdict = "Not passive: ";
+  if (!explanation.starts_with(verdict)) return explanation;
+  explanation.erase(0, verdict.size());
+  if (!explanation.empty() && explanation[0] >= 'a' && explanation[0] <= 'z') explanation[0] += 'A' - 'a';
+  return explanation;
 }
 
 std::string describe_operator(const nlohmann::json& found, const MotionUnits& units) {
@@ -40,14 +44,42 @@ std::string describe_operator(const nlohmann::json& found, const MotionUnits& un
     add(fmt::format("{} hung on a spring of {}", format_quantity(resonator["inertia"], units.inertia),
                     format_quantity(resonator["stiffness"], units.stiffness)));
   }
-  return parts.empty() ? "nothing at all (the free device)" : parts;
+  return parts;
 }
 
-std::string describe(const Model& model, const nlohmann::json& result, bool verbose) {
+std::string describe_counterexample(const nlohmann::json& found, const MotionUnits& units) {
+  const std::string held = describe_operator(found, units);
+  std::string text = held.empty() ? "the free device itself diverges, with nothing in the operator's hand"
+                                  : held + " in the operator's hand makes the loop diverge";
+  text += fmt::format("\n(spectral radius {:.8g}, {}).", found["spectral_radius"].get<double>(),
+                      describe_frequency(found["frequency_hz"]));
+  if (found.contains("simulation")) {
+    const auto& run = found["simulation"];
+    text += fmt::format(" Simulated for {}: {}.", format_quantity(run["duration_s"], dimension::time),
+                        run["classification"].get<std::string>());
+  }
+  return "\nCounterexample: " + text + "\n";
+}
+
+// Why a search that found nothing does not contradict the verdict.
+std::string describe_fruitless_search(const Model& model, const nlohmann::json& result) {
+  const double nyquist_hz = 0.5 / model.sampling.period.to_double();
+  bool near_nyquist = false;
+  for (const auto& c : result["criteria"]) {
+    const auto& worst = c["worst_frequency_hz"];
+    if (c["name"] == "exact_disk" && !worst.is_null()) near_nyquist = worst > nyquist_hz / 2;
+  }
+  return fmt::format("\nNo single lossless operator was found that breaks the loop (the search is not exhaustive: {});\n"
+                     "the verdict stands on the disk.\n",
+                     near_nyquist ? "close to the\nNyquist frequency only a razor-thin resonance would"
+                                  : "only an\noperator of extreme size would");
+}
+
+std::string describe(const Model& model, const nlohmann::json& result, const Options& options) {
   const MotionUnits& units = units_of(model.device.motion);
   const bool passive = result["verdict"] == "passive";
   std::string text = fmt::format("{}: {}\n{}\n", model.name, passive ? "PASSIVE" : "NOT PASSIVE",
-                                 result["explanation"].get<std::string>());
+                                 describe_reason(result["explanation"]));
   if (result.contains("stiffness")) {
     text += fmt::format("\nwall: K = {}, B = {}, T = {}, delay = {}\n", format_quantity(result["stiffness"], units.stiffness),
                         format_quantity(result["virtual_damping"], units.damping),
@@ -57,31 +89,26 @@ std::string describe(const Model& model, const nlohmann::json& result, bool verb
   text += fmt::format("\n{:<20} {:<8} {:<6} {:>20} {:>12}  {}\n", "criterion", "applies", "holds", "margin", "worst at",
                       "largest K");
   for (const auto& c : result["criteria"]) {
+    const auto& worst = c["worst_frequency_hz"];
     text += fmt::format("{:<20} {:<8} {:<6} {:>20} {:>12}  {}\n", c["name"].get<std::string>(),
                         c["applies"].get<bool>() ? "yes" : "no", c["holds"].get<bool>() ? "yes" : "no",
                         c["margin"].is_null() ? "-" : format_quantity(c["margin"], units.damping),
-                        describe_frequency(c["worst_frequency_hz"]), describe_limit(c["max_stiffness"], units.stiffness));
+                        worst.is_null() ? "-" : describe_frequency(worst), describe_limit(c["max_stiffness"], units.stiffness));
   }
+  std::string notes;
   for (const auto& c : result["criteria"]) {
-    if (!c["applies"].get<bool>() && (verbose || c["holds"].get<bool>() != passive)) {
-      text += fmt::format("\n{} does not apply: {}.", c["name"].get<std::string>(), c["reason"].get<std::string>());
+    if (!c["applies"].get<bool>() && (options.common.verbose || c["holds"].get<bool>() != passive)) {
+      notes += fmt::format("{} does not apply: {}.\n", c["name"].get<std::string>(), c["reason"].get<std::string>());
     }
   }
-  text += "\n";
+  if (!notes.empty()) text += "\n" + notes;
   if (!passive) {
     if (const auto& found = result["counterexample"]; !found.is_null()) {
-      text += fmt::format("\nCounterexample: {} in the operator's hand makes the loop diverge\n(spectral radius {:.8g}, {:.4g} Hz).",
-                          describe_operator(found, units), found["spectral_radius"].get<double>(),
-                          found["frequency_hz"].get<double>());
-      if (found.contains("simulation")) {
-        const auto& run = found["simulation"];
-        text += fmt::format(" Simulated for {:.4g} s: {}.", run["duration_s"].get<double>(),
-                            run["classification"].get<std::string>());
-      }
+      text += describe_counterexample(found, units);
+    } else if (!options.no_counterexample && result["device"]["passive"].get<bool>()) {
+      text += describe_fruitless_search(model, result);
+    } else {
       text += "\n";
-    } else if (result["device"]["passive"].get<bool>()) {
-      text += "\nNo single lossless operator was found that breaks the loop (the search is not exhaustive: close to the\n"
-              "Nyquist frequency only a razor-thin resonance would); the verdict stands on the disk.\n";
     }
     if (!result["extra_damping"].is_null()) {
       text += fmt::format("Another {} of damping at the port would make it passive.\n",
@@ -104,7 +131,7 @@ void run(const Options& options, int& exit_code) {
     write_csv(options.common.csv, names, columns);
   }
   exit_code = result["verdict"] == "passive" ? 0 : 1;
-  deliver(options.common, result, describe(model, result, options.common.verbose));
+  deliver(options.common, result, describe(model, result, options));
 }
 
 }  // namespace

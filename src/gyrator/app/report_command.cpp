@@ -5,11 +5,13 @@
 #include <fmt/core.h>
 
 #include "commands.hpp"
+#include "common_options.hpp"
 #include "gyrator/core/error.hpp"
 #include "gyrator/documents/json_text.hpp"
 #include "gyrator/plots/plot.hpp"
 #include "gyrator/studies/report.hpp"
 #include "gyrator/studies/result_figures.hpp"
+#include "usage_errors.hpp"
 
 namespace gyrator::app {
 namespace {
@@ -21,21 +23,40 @@ struct Options {
   bool quiet = false;
 };
 
+nlohmann::json load_result(const std::string& path) {
+  nlohmann::json result = load_json_file(path);
+  if (!result.is_object() || !result.contains("command")) {
+    throw Error(ErrorCode::bad_input, path,
+                "is not a result: write one with -o, such as `gyrator passivity MODEL -o passivity.json`");
+  }
+  if (!result["command"].is_string()) {
+    throw Error(ErrorCode::bad_input, path + ": /command",
+                fmt::format("found {}: the name of a command is expected, such as \"passivity\"", result["command"].dump()));
+  }
+  return result;
+}
+
+void check_outputs(const Options& options) {
+  if (!options.finding.empty() && !options.finding.ends_with(".svg") && !options.finding.ends_with(".png")) {
+    throw Error(ErrorCode::bad_input, "--finding", options.finding + ": the name must end in .svg or .png");
+  }
+  std::vector<NamedFile> inputs;
+  for (const auto& path : options.results) inputs.push_back({"the result " + path, path});
+  check_files(inputs, {{"--output", options.output}, {"--finding", options.finding}});
+}
+
 void run(const Options& options) {
+  check_outputs(options);
   std::vector<nlohmann::json> results;
   nlohmann::json passivity;
   nlohmann::json zwidth;
   for (const auto& path : options.results) {
-    results.push_back(load_json_file(path));
-    if (!results.back().is_object() || !results.back().contains("command")) {
-      throw Error(ErrorCode::bad_input, path,
-                  "is not a result: write one with -o, such as `gyrator passivity MODEL -o passivity.json`");
-    }
+    results.push_back(load_result(path));
     if (results.back()["command"] == "passivity") passivity = results.back();
     if (results.back()["command"] == "zwidth") zwidth = results.back();
   }
+  write_report(results, options.output, options.results);
   if (!options.finding.empty()) render_figure(finding_figure(passivity, zwidth), options.finding);
-  write_report(results, options.output);
   if (!options.quiet) fmt::print("{}\n", options.output);
 }
 
@@ -44,10 +65,14 @@ void run(const Options& options) {
 void add_report_command(CLI::App& app, int&) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("report", "One self-contained HTML page from results that were kept with -o");
-  command->add_option("RESULT", options->results, "Result files (JSON)")->required();
-  command->add_option("-o,--output", options->output, "The page to write")->capture_default_str()->type_name("FILE");
+  command->add_option("RESULT", options->results, "Result files (JSON)")->required()->check(not_empty());
+  command->add_option("-o,--output", options->output, "The page to write")
+      ->capture_default_str()
+      ->type_name("FILE")
+      ->check(not_empty());
   command->add_option("--finding", options->finding, "Also draw textbook against exact limit as SVG or PNG")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->check(not_empty());
   command->add_flag("--quiet", options->quiet, "Print nothing");
   command->footer(
       "Example:\n  gyrator passivity model.json -o passivity.json; gyrator report passivity.json -o report.html");

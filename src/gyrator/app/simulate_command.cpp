@@ -5,9 +5,11 @@
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "gyrator/core/error.hpp"
+#include "gyrator/core/text.hpp"
 #include "gyrator/documents/csv.hpp"
 #include "gyrator/studies/model_format.hpp"
 #include "gyrator/studies/results.hpp"
+#include "usage_errors.hpp"
 
 namespace gyrator::app {
 namespace {
@@ -20,18 +22,25 @@ struct Options {
   long max_steps = 100000;
 };
 
+EngineKind parse_engine(const std::string& name) {
+  if (name == "exact") return EngineKind::exact;
+  if (name == "cvode") return EngineKind::cvode;
+  if (name == "odeint") return EngineKind::odeint;
+  throw Error(ErrorCode::bad_input, "--engine", describe_unknown_name("engine", name, {"exact", "cvode", "odeint"}));
+}
+
 std::string describe_outcome(const nlohmann::json& result, const MotionUnits& units) {
   const std::string outcome = result["classification"];
   if (outcome == "settles") return "settles";
   if (outcome == "diverges") {
     return result["stopped_early"].get<bool>() ? "diverges (stopped: grew beyond all bounds)" : "diverges";
   }
-  return fmt::format("oscillates on (limit cycle) at {:.4g} Hz, amplitude {}",
-                     result["oscillation"]["frequency_hz"].get<double>(),
+  return fmt::format("oscillates on (limit cycle) at {}, amplitude {}",
+                     describe_frequency(result["oscillation"]["frequency_hz"]),
                      format_quantity(result["oscillation"]["amplitude"], units.position));
 }
 
-std::string describe(const Model& model, const nlohmann::json& result) {
+std::string describe(const Model& model, const nlohmann::json& result, bool verbose) {
   const MotionUnits& units = units_of(model.device.motion);
   const auto& e = result["energy"];
   std::string text = fmt::format("{}: {}\n{} samples, {:g} s, engine {}\n\nenergy ledger [J]\n", model.name,
@@ -44,15 +53,20 @@ std::string describe(const Model& model, const nlohmann::json& result) {
   row("- turned into heat", e["dissipated"]);
   row("= stored at the end", e["stored"]);
   row("not accounted for (residual)", e["residual"]);
+  if (verbose) {
+    const auto& oscillation = result["oscillation"];
+    text += fmt::format("\nmotion in the last third\n  growth of the oscillation {:.6g} (above 1 it grows)\n"
+                        "  frequency {}, amplitude {}\n",
+                        result["growth"].get<double>(), describe_frequency(oscillation["frequency_hz"]),
+                        format_quantity(oscillation["amplitude"], units.position));
+  }
   return text;
 }
 
 void run(const Options& options) {
   check_outputs(options.common);
   SimulationRequest request;
-  request.engine = options.engine == "cvode"    ? EngineKind::cvode
-                   : options.engine == "odeint" ? EngineKind::odeint
-                                                : EngineKind::exact;
+  request.engine = parse_engine(options.engine);
   request.engine_options.relative_tolerance = options.tolerance;
   request.engine_options.max_steps = options.max_steps;
   if (!options.duration.empty()) request.duration = parse_option_time("--duration", options.duration);
@@ -62,7 +76,7 @@ void run(const Options& options) {
   const TimeRun simulated = run_simulation(model, request);
   if (!options.common.csv.empty()) write_csv(options.common.csv, simulated.trace.names, simulated.trace.columns);
   const nlohmann::json result = make_simulation_result(model, request, simulated);
-  deliver(options.common, result, describe(model, result));
+  deliver(options.common, result, describe(model, result, options.common.verbose));
 }
 
 }  // namespace
@@ -75,15 +89,17 @@ void add_simulate_command(CLI::App& app, int&) {
                      "gyrator simulate examples/rc_display.json --csv trace.csv --png trace.png");
   command->add_option("--engine", options->engine, "exact (matrix exponentials), cvode (reference) or odeint")
       ->capture_default_str()
-      ->check(CLI::IsMember({"exact", "cvode", "odeint"}));
-  command->add_option("--duration", options->duration, "Simulated time instead of the model's")->type_name("TIME");
-  command->add_option("--trace-step", options->trace_step, "Also trace in between, such as 10us")->type_name("TIME");
+      ->type_name("NAME");
+  command->add_option("--duration", options->duration, "Simulated time instead of the model's")->type_name("TIME")->check(not_empty());
+  command->add_option("--trace-step", options->trace_step, "Also trace in between, such as 10us")
+      ->type_name("TIME")
+      ->check(not_empty());
   command->add_option("--tolerance", options->tolerance, "Relative tolerance of cvode and odeint")
       ->capture_default_str()
-      ->check(CLI::Range(1e-14, 1e-2));
+      ->check(number_between(1e-14, 1e-2));
   command->add_option("--max-steps", options->max_steps, "Most integrator steps between two samples (cvode, odeint)")
       ->capture_default_str()
-      ->check(CLI::Range(1L, 1000000000L));
+      ->check(whole_number_between(1, 1000000000));
   command->callback([options] { run(*options); });
 }
 

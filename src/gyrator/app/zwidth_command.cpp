@@ -1,7 +1,8 @@
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include "commands.hpp"
 #include "common_options.hpp"
@@ -10,6 +11,7 @@
 #include "gyrator/documents/csv.hpp"
 #include "gyrator/studies/model_format.hpp"
 #include "gyrator/studies/results.hpp"
+#include "usage_errors.hpp"
 
 namespace gyrator::app {
 namespace {
@@ -27,16 +29,15 @@ std::vector<Criterion> parse_criteria(const std::string& text) {
   std::vector<Criterion> criteria;
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t comma = std::min(text.find(',', at), text.size());
-    const std::string name = text.substr(at, comma - at);
+    const std::string name(trim(std::string_view(text).substr(at, comma - at)));
     at = comma + 1;
     const auto found = std::find(known.begin(), known.end(), name);
     if (found == known.end()) {
-      const auto nearest = find_nearest_name(name, known);
-      throw Error(ErrorCode::bad_input, "--criterion",
-                  fmt::format("\"{}\" is not known{}: there are {}", name,
-                              nearest ? fmt::format(", did you mean \"{}\"?", *nearest) : "", fmt::join(known, ", ")));
+      throw Error(ErrorCode::bad_input, "--criterion", describe_unknown_name("criterion", name, known));
     }
-    criteria.push_back(criterion_names()[static_cast<std::size_t>(found - known.begin())].criterion);
+    const Criterion criterion = criterion_names()[static_cast<std::size_t>(found - known.begin())].criterion;
+    const bool is_new = std::find(criteria.begin(), criteria.end(), criterion) == criteria.end();
+    if (is_new) criteria.push_back(criterion);
   }
   return criteria;
 }
@@ -56,22 +57,25 @@ std::vector<double> choose_damping(const Options& options, const Model& model) {
   return damping;
 }
 
-std::string describe(const Model& model, const nlohmann::json& result) {
+std::string describe(const Model& model, const nlohmann::json& result, bool verbose) {
   const MotionUnits& units = units_of(model.device.motion);
   std::string text = fmt::format("{}: largest stiffness [{}] over virtual damping [{}]\n\n{:>14}", model.name,
                                  units.stiffness.symbol, units.damping.symbol, "B");
   for (const auto& b : result["boundaries"]) text += fmt::format("  {:>20}", b["criterion"].get<std::string>());
   text += "\n";
   const std::size_t rows = result["damping"].size();
-  const std::size_t stride = std::max<std::size_t>(1, (rows + 24) / 25);
+  const std::size_t stride = verbose ? 1 : std::max<std::size_t>(1, (rows + 24) / 25);
   for (std::size_t i = 0; i < rows; i += stride) {
-    text += fmt::format("{:14.6g}", result["damping"][i].get<double>());
+    text += fmt::format("{:14.6g}", result["damping"][i].get<double>() + 0.0);  // adding zero turns -0 into 0
     for (const auto& b : result["boundaries"]) {
       const auto& k = b["max_stiffness"][i];
       const bool feasible = b["feasible"][i];
-      text += fmt::format("  {:>20}", !feasible ? "none" : k.is_null() ? "unbounded" : fmt::format("{:.6g}", k.get<double>()));
+      text += fmt::format("  {:>20}", !feasible ? "none" : k.is_null() ? "unbounded" : fmt::format("{:.6g}", k.get<double>() + 0.0));
     }
     text += "\n";
+  }
+  if (stride > 1) {
+    text += fmt::format("\n{} dampings computed; --verbose, --csv or --json gives them all, --png or --svg a plot.\n", rows);
   }
   return text;
 }
@@ -81,7 +85,7 @@ void run(const Options& options) {
   const auto criteria = parse_criteria(options.criteria);
   const Model model = load_model(options.common.model);
   const nlohmann::json result = make_zwidth_result(
-      model, {choose_damping(options, model), criteria, options.common.quiet || options.common.json});
+      model, {choose_damping(options, model), criteria, options.common.quiet});
   if (!options.common.csv.empty()) {
     std::vector<std::string> names{"damping"};
     std::vector<std::vector<double>> columns{result["damping"]};
@@ -93,7 +97,7 @@ void run(const Options& options) {
     }
     write_csv(options.common.csv, names, columns);
   }
-  deliver(options.common, result, describe(model, result));
+  deliver(options.common, result, describe(model, result, options.common.verbose));
 }
 
 }  // namespace
@@ -105,12 +109,17 @@ void add_zwidth_command(CLI::App& app, int&) {
   for (const auto& c : criterion_names()) criteria_help += fmt::format("\n  {}: {}", c.name, c.summary);
   add_common_options(*command, options->common, "Write damping and the limits as columns",
                      "gyrator zwidth examples/rc_display.json --damping 0,1e-4,1.5e-4 --criterion exact_disk");
-  command->add_option("--damping", options->damping, "Virtual dampings B, such as 0,0.1mN.m.s/rad")->type_name("LIST");
-  command->add_option("--from", options->from, "Lowest virtual damping of a range")->type_name("B");
-  command->add_option("--to", options->to, "Highest virtual damping of a range")->type_name("B");
+  auto* list = command->add_option("--damping", options->damping, "Virtual dampings B, such as 0,0.1mN.m.s/rad")
+                   ->type_name("LIST")
+                   ->check(not_empty());
+  const auto add_end = [&](const char* name, std::string& value, const char* help) {
+    command->add_option(name, value, help)->type_name("B")->check(not_empty())->excludes(list);
+  };
+  add_end("--from", options->from, "Lowest virtual damping of a range");
+  add_end("--to", options->to, "Highest virtual damping of a range");
   command->add_option("--points", options->points, "Number of dampings in the range")
       ->capture_default_str()
-      ->check(CLI::Range(2, 1000000));
+      ->check(whole_number_between(2, 1000000));
   command->add_option("--criterion", options->criteria, criteria_help)->capture_default_str()->type_name("LIST");
   command->callback([options] { run(*options); });
 }

@@ -46,14 +46,14 @@ void add_damping(Network& network, const Damping& damping, const std::string& na
   }
 }
 
-NodeId add_current_amplifier(Network& network, const CurrentAmplifier& amplifier, NodeId command, NodeId terminal,
-                             ElementId motor_ammeter, double gain, bool damped) {
+void add_current_amplifier(Network& network, const CurrentAmplifier& amplifier, NodeId command, NodeId terminal,
+                           ElementId motor_ammeter, double gain) {
   if (amplifier.bandwidth_hz) {
     // di/dt = w_b (i_command - i_sensed): an integrator, 1/w_b as its capacitor.
     if (amplifier.sense == CurrentSense::total) {
       const NodeId current = add_lag(network, "amplifier.loop", command, *amplifier.bandwidth_hz);
       network.add("amplifier", ground, terminal, VoltageControlledCurrentSource{gain, current, ground});
-      return terminal;
+      return;
     }
     const NodeId current = network.add_node("amplifier.loop", Domain::electrical);
     network.add("amplifier.loop.integrator", current, ground,
@@ -63,15 +63,16 @@ NodeId add_current_amplifier(Network& network, const CurrentAmplifier& amplifier
     network.add("amplifier.loop.sense", current, ground, CurrentControlledCurrentSource{1.0, motor_ammeter},
                 Role::signal);
     network.add("amplifier", ground, terminal, VoltageControlledCurrentSource{1.0, current, ground});
-    return terminal;
+    return;
   }
   network.add("amplifier", ground, terminal, VoltageControlledCurrentSource{gain, command, ground});
-  if (amplifier.sense == CurrentSense::total || !damped) return terminal;
-  // An ideal loop around the winding's current: whatever the damping branch draws at the
-  // terminal's voltage is delivered on top, so the branch hangs on a copy of that voltage.
-  const NodeId copy = network.add_node("amplifier.terminal", Domain::electrical);
-  network.add("amplifier.branch_supply", copy, ground, VoltageControlledVoltageSource{1.0, terminal, ground});
-  return copy;
+}
+
+// An ideal loop around the winding's current delivers on top whatever a branch across the motor
+// draws: the branches have no part in current, effort or motion, and are left out.
+bool ignores_damping(const Amplifier& amplifier) {
+  const auto* current = std::get_if<CurrentAmplifier>(&amplifier);
+  return current && !current->bandwidth_hz && current->sense == CurrentSense::motor;
 }
 
 }  // namespace
@@ -89,9 +90,8 @@ DriveTaps add_drive(Network& network, const Drive& drive, NodeId command, NodeId
   }
   const NodeId terminal = network.add_node("motor.terminal", Domain::electrical);
   const ElementId ammeter = add_motor(network, *drive.motor, terminal, shaft);
-  NodeId branches = terminal;
   if (const auto* current = std::get_if<CurrentAmplifier>(&drive.amplifier)) {
-    branches = add_current_amplifier(network, *current, command, terminal, ammeter, gain, !drive.damping.empty());
+    add_current_amplifier(network, *current, command, terminal, ammeter, gain);
   } else if (const auto* voltage = std::get_if<VoltageAmplifier>(&drive.amplifier)) {
     const NodeId wanted =
         voltage->bandwidth_hz ? add_lag(network, "amplifier.loop", command, *voltage->bandwidth_hz) : command;
@@ -105,8 +105,8 @@ DriveTaps add_drive(Network& network, const Drive& drive, NodeId command, NodeId
     // An ideal effort source beside a motor whose terminals carry only the damping circuits.
     network.add("amplifier", ground, shaft, VoltageControlledCurrentSource{gain, command, ground});
   }
-  for (std::size_t i = 0; i < drive.damping.size(); ++i) {
-    add_damping(network, drive.damping[i], fmt::format("damping.{}", i), branches);
+  for (std::size_t i = 0; i < drive.damping.size() && !ignores_damping(drive.amplifier); ++i) {
+    add_damping(network, drive.damping[i], fmt::format("damping.{}", i), terminal);
   }
   return {ammeter, terminal};
 }

@@ -46,6 +46,30 @@ void Network::check_node(const std::string& element, NodeId node) const {
   throw Error(ErrorCode::bad_input, element, fmt::format("node {} does not exist in the network", node.index));
 }
 
+// The nodes and elements that a law refers to beyond its own terminals.
+template <class Law>
+void Network::check_references(const std::string& name, const Law& law) const {
+  if constexpr (requires { law.control_positive; }) {
+    check_node(name, law.control_positive);
+    check_node(name, law.control_negative);
+  }
+  if constexpr (requires { law.second_positive; }) {
+    check_node(name, law.second_positive);
+    check_node(name, law.second_negative);
+  }
+  if constexpr (requires { law.input; }) {
+    const std::optional<int> input = law.input;
+    if (input && (*input < 0 || *input >= static_cast<int>(inputs_.size()))) {
+      throw Error(ErrorCode::bad_input, name, fmt::format("input {} does not exist in the network", *input));
+    }
+  }
+  if constexpr (requires { law.control; }) {
+    if (law.control.index < 0 || law.control.index >= static_cast<int>(elements_.size())) {
+      throw Error(ErrorCode::bad_input, name, fmt::format("element {} does not exist in the network", law.control.index));
+    }
+  }
+}
+
 ElementId Network::add(std::string name, NodeId positive, NodeId negative, ElementLaw law, Role role) {
   check_node(name, positive);
   check_node(name, negative);
@@ -71,6 +95,7 @@ ElementId Network::add(std::string name, NodeId positive, NodeId negative, Eleme
                  [&](const Gyrator& e) { check_finite(name, "transconductance", e.transconductance); },
              },
              law);
+  std::visit([&](const auto& e) { check_references(name, e); }, law);
   elements_.push_back({std::move(name), role, positive, negative, law});
   return {static_cast<int>(elements_.size()) - 1};
 }

@@ -95,6 +95,8 @@ class Network {
 
  private:
   void check_node(const std::string& element, NodeId node) const;
+  template <class Law>
+  void check_references(const std::string& name, const Law& law) const;
 
   std::vector<NodeInfo> nodes_;
   std::vector<Element> elements_;

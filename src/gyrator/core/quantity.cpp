@@ -87,6 +87,38 @@ std::string describe_unit(const Unit& unit) {
   return fmt::format("{} [{}]", unit.name, unit.symbol);
 }
 
+// Catalogues give the speed constant k_n (rpm/V) beside the torque constant.
+void refuse_inverse_constant(const Quantity& given, const Unit& expected) {
+  const bool is_constant =
+      expected == dimension::torque_constant || expected == dimension::force_constant;
+  Dimension product = multiply(*given.dimension, expected.dimension, 1);
+  product.angle = 0;
+  if (!is_constant || product != Dimension{} || !(given.value > 0)) return;
+  throw Error(ErrorCode::bad_input, "",
+              fmt::format("'{}': this is a speed constant k_n: the {} is its inverse, 1/k_n = {}",
+                          given.text, expected.name, format_quantity(1 / given.value, expected)));
+}
+
+// "5 k" and "4k7", as on a circuit diagram: "; did you mean '4.7 kohm'?", or nothing.
+std::string suggest_whole_symbol(std::string_view text, const Unit& expected) {
+  const std::string plain = replace_signs(trim(text));
+  const auto number = find_decimal(plain);
+  if (!number || number->exponent != 0) return {};
+  const std::string_view rest = trim(std::string_view(plain).substr(number->length));
+  if (rest.empty()) return {};
+  std::string symbol(expected.symbol);
+  if (symbol != "ohm" || (rest[0] != 'R' && rest[0] != 'r')) {
+    symbol.insert(0, 1, rest[0] == 'K' ? 'k' : rest[0]);
+    if (!find_unit_symbol(symbol)) return {};
+  }
+  std::string digits(number->mantissa);
+  const std::string_view behind = rest.substr(1);
+  if (behind.find_first_not_of("0123456789") != std::string_view::npos) return {};
+  if (!behind.empty() && digits.find('.') != std::string::npos) return {};
+  if (!behind.empty()) digits.append(".").append(behind);
+  return fmt::format("; did you mean '{} {}'?", digits, symbol);
+}
+
 }  // namespace
 
 Quantity parse_quantity(std::string_view text) {
@@ -163,6 +195,7 @@ double value_in(const Quantity& given, const Unit& expected) {
                 fmt::format("'{}': a resolution must be above 0, such as \"{}\"", given.text,
                             expected.example));
   }
+  refuse_inverse_constant(given, expected);
   throw Error(ErrorCode::bad_input, "",
               fmt::format("'{}': this is {}: {} is expected, such as \"{}\"", given.text,
                           with_article(describe_dimension(*given.dimension)),
@@ -170,7 +203,11 @@ double value_in(const Quantity& given, const Unit& expected) {
 }
 
 double parse_value(std::string_view text, const Unit& expected) {
-  return value_in(parse_quantity(text), expected);
+  try {
+    return value_in(parse_quantity(text), expected);
+  } catch (const Error& error) {
+    throw Error(error.code(), error.place(), error.message() + suggest_whole_symbol(text, expected));
+  }
 }
 
 std::string describe_dimension(const Dimension& dimension) {
@@ -199,6 +236,7 @@ std::string describe_dimension(const Dimension& dimension) {
 }
 
 std::string format_quantity(double value, const Unit& unit) {
+  value += 0.0;  // -0 becomes 0
   if (unit.symbol == "1") return fmt::format("{:.6g}", value);
   std::string plain = fmt::format("{:.6g} {}", value, unit.symbol);
   // Mass alone goes by the gram; "kg.m^2" stays as it is, for nobody reads mg.m^2. Kelvin too.

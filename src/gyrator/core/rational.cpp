@@ -109,6 +109,43 @@ std::optional<Parts> find_decimal_parts(const DecimalText& decimal) {
   return find_lowest_terms(num, den);
 }
 
+struct WideFraction {
+  Wide num;
+  Wide den;
+};
+
+// The fraction with the smallest denominator from a to b, 0 < a < b (the Stern-Brocot tree, by
+// continued fractions).
+WideFraction find_simplest(const WideFraction& a, const WideFraction& b) {
+  const Wide whole = a.num / a.den;
+  if (whole * a.den == a.num) return {whole, 1};
+  if ((whole + 1) * b.den <= b.num) return {whole + 1, 1};
+  // Both have the same whole part: the inverses of what is left, in the other order.
+  const WideFraction rest = find_simplest({b.den, b.num - whole * b.den}, {a.den, a.num - whole * a.den});
+  return {whole * rest.num + rest.den, rest.num};
+}
+
+// The simplest fraction within two units in the last place of a number that is not whole; nothing
+// if it does not fit.
+std::optional<Parts> find_simplest_parts(double value) {
+  constexpr int digits = std::numeric_limits<double>::digits;
+  int exponent = 0;
+  const auto mantissa = static_cast<std::int64_t>(std::ldexp(std::frexp(std::abs(value), &exponent), digits));
+  const int shift = digits - exponent;  // |value| = mantissa / 2^shift
+  if (shift > 120) return std::nullopt;
+  const Wide den = Wide{1} << static_cast<unsigned>(shift);
+  const WideFraction found = find_simplest({mantissa - 2, den}, {mantissa + 2, den});
+  return find_lowest_terms(value < 0 ? -found.num : found.num, found.den);
+}
+
+std::size_t count_significant_digits(std::string_view mantissa) {
+  std::size_t count = 0;
+  for (const char c : mantissa) {
+    if (c >= '0' && c <= '9' && (c != '0' || count > 0)) ++count;
+  }
+  return count;
+}
+
 // The decimal, or fraction of decimals, at the start of the text, and what follows it.
 struct NumberAndRest {
   Rational number;
@@ -171,7 +208,12 @@ Rational Rational::from_text(std::string_view text) {
 
 Rational Rational::from_double(double value) {
   if (!std::isfinite(value)) refuse(format_number(value), "a finite number is expected");
-  return from_decimal(format_number(value));
+  const std::string text = format_number(value);
+  constexpr std::size_t most_digits_typed = 15;
+  if (value != std::floor(value) && count_significant_digits(find_decimal(text)->mantissa) > most_digits_typed) {
+    if (const auto parts = find_simplest_parts(value)) return {parts->num, parts->den};
+  }
+  return from_decimal(text);
 }
 
 double Rational::to_double() const {
@@ -267,10 +309,10 @@ Rational parse_time(std::string_view text) {
       if (!parts) refuse(text, "does not fit a fraction of 64-bit integers");
       return {parts->num, parts->den};
     }
-    known.emplace_back(unit.name);
+    const bool is_typographic = static_cast<unsigned char>(unit.name.front()) >= 0x80;
+    if (!is_typographic) known.emplace_back(unit.name);
   }
-  refuse(text, fmt::format("'{}' is not a unit of time: s, ms, us, ns or min is expected{}",
-                           found->rest, suggest_name(found->rest, known)));
+  refuse(text, describe_unknown_name("unit of time", found->rest, known));
 }
 
 }  // namespace gyrator

@@ -24,7 +24,9 @@ class Rational {
   static Rational from_decimal(std::string_view text);
   /// A decimal or a fraction of two: "1/60", "0.5/3", "0.001". The inverse of to_string.
   static Rational from_text(std::string_view text);
-  /// Exact value of the shortest decimal that reads back as the double: 0.1 is 1/10.
+  /// Exact value of the shortest decimal that reads back as the double: 0.1 is 1/10. One with more
+  /// than 15 digits was computed: then the simplest fraction within two units in the last place,
+  /// 1/3000 for 0.0003333333333333333 and 1/10000 for 9.999999999999999e-05.
   static Rational from_double(double value);
 
   constexpr std::int64_t num() const { return num_; }

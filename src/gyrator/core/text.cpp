@@ -65,6 +65,13 @@ std::string suggest_name(std::string_view given, const std::vector<std::string>&
   return name ? "; did you mean '" + *name + "'?" : std::string{};
 }
 
+std::string describe_unknown_name(std::string_view what, std::string_view given,
+                                  const std::vector<std::string>& known) {
+  std::string text = "unknown ";
+  text.append(what).append(" '").append(given).append("': allowed: ");
+  return text + join(known) + suggest_name(given, known);
+}
+
 std::string join(const std::vector<std::string>& parts, std::string_view separator) {
   std::string text;
   for (std::size_t i = 0; i < parts.size(); ++i) {

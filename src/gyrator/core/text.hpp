@@ -19,6 +19,10 @@ std::optional<std::string> find_nearest_name(std::string_view given,
 /// "; did you mean 'resistance'?" for the nearest known name, or nothing: the tail of an error.
 std::string suggest_name(std::string_view given, const std::vector<std::string>& known);
 
+/// "unknown engine 'cvod': allowed: exact, cvode; did you mean 'cvode'?"
+std::string describe_unknown_name(std::string_view what, std::string_view given,
+                                  const std::vector<std::string>& known);
+
 /// The parts, one after another with the separator between.
 std::string join(const std::vector<std::string>& parts, std::string_view separator = ", ");
 

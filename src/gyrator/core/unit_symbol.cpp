@@ -128,6 +128,19 @@ std::string suggest_symbol(std::string_view given) {
   if (given == "degC" || given == "degF" || given == "degK") {
     return ": a temperature is written in K (273.15 K is 0 degrees Celsius)";
   }
+  if (std::any_of(prefixes.begin(), prefixes.end(),
+                  [given](const auto& prefix) { return prefix.first == given; })) {
+    return ", a prefix without a symbol behind it";
+  }
+  // Splitting tries all ways, of which a long word has too many.
+  std::optional<std::string> split;
+  if (given.size() <= 8) split = split_symbols(given, true, false);
+  if (given.size() <= 8 && !split) split = split_symbols(given, true, true);
+  const std::string split_hint =
+      split ? fmt::format(": symbols are joined with '.'; did you mean '{}'?", *split) : "";
+  // A capital N begins newton: "Nm" is no slip for the nanometre.
+  if (split && given.starts_with('N')) return split_hint;
+
   std::vector<std::string> known;
   for (const Symbol& symbol : symbols) {
     if (symbol.is_alias) continue;
@@ -159,11 +172,7 @@ std::string suggest_symbol(std::string_view given) {
   for (const auto& [word, symbol] : foreign_words) {
     if (word == given) return fmt::format("; did you mean '{}'?", symbol);
   }
-  // Splitting tries all ways, of which a long word has too many.
-  std::optional<std::string> split;
-  if (given.size() <= 8) split = split_symbols(given, true, false);
-  if (given.size() <= 8 && !split) split = split_symbols(given, true, true);
-  if (split) return fmt::format(": symbols are joined with '.'; did you mean '{}'?", *split);
+  if (split) return split_hint;
   // Of two letters one is half the word: too little to guess from.
   return given.size() < 3 ? std::string{} : suggest_name(given, known);
 }

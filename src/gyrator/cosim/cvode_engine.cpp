@@ -1,6 +1,7 @@
 #include <cmath>
 #include <exception>
 #include <utility>
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <vector>
@@ -51,13 +52,13 @@ using NonlinearSolver = std::unique_ptr<std::remove_pointer_t<SUNNonlinearSolver
 class CvodeEngine final : public Engine {
  public:
   CvodeEngine(const Plant& plant, const EngineOptions& options)
-      : plant_(plant), options_(options), n_(plant.states()), size_(plant.states() + 3), z_(plant.states() + 2) {
+      : plant_(plant), options_(options), n_(plant.states()), size_(plant.states() + 3), z_(plant.states() + 2), scales_(plant_) {
     forms_[0] = plant.energy.operator_work;
     forms_[1] = plant.energy.source;
     forms_[2] = plant.energy.dissipated;
     const Eigen::VectorXcd poles = compute_poles(plant.A);
     fastest_ = poles.size() > 0 ? poles.cwiseAbs().maxCoeff() : 0;
-    weights_ = Eigen::VectorXd::Zero(size_);
+    sizes_ = Eigen::VectorXd::Ones(size_);
     y_.reset(N_VNew_Serial(size_, context_));
   }
 
@@ -71,7 +72,7 @@ class CvodeEngine final : public Engine {
     const double interval = intervals_[static_cast<std::size_t>(segment)];
     if (interval <= 0) return;
     if (!memory_) set_up();
-    set_weights(state);
+    set_sizes(state, u);
     z_.tail(2) = u;
     double* y = N_VGetArrayPointer(y_.get());
     for (Eigen::Index i = 0; i < n_; ++i) y[i] = state.xi(i);
@@ -111,17 +112,11 @@ class CvodeEngine final : public Engine {
 
   // The error is measured against the largest size each quantity has had so far, not against its
   // momentary value: a current that passes through zero is not followed to nothing.
-  void set_weights(const PlantState& state) {
-    z_.head(n_) = state.xi;
-    z_.tail(2).setZero();
-    const double energy = z_.dot(plant_.energy.stored * z_);
-    if (scales_.size() == 0 || energy > energy_scale_) {
-      energy_scale_ = energy > 0 ? energy : energy_scale_ > 0 ? energy_scale_ : 1;
-      scales_ = compute_state_scales(plant_, energy_scale_, longest_);
-    }
+  void set_sizes(const PlantState& state, const Eigen::Vector2d& u) {
+    scales_.update(state.xi, u, longest_);
+    const double energy = scales_.energy() > 0 ? scales_.energy() : 1;
     for (Eigen::Index i = 0; i < size_; ++i) {
-      const double scale = i < n_ ? scales_(i) : energy_scale_;
-      weights_(i) = 1 / (options_.relative_tolerance * scale);
+      sizes_(i) = i < n_ ? scales_.states()(i) : energy;
     }
   }
 
@@ -184,10 +179,13 @@ class CvodeEngine final : public Engine {
     return 0;
   }
 
-  static int error_weights(N_Vector /*y*/, N_Vector weights, void* self_pointer) {
+  static int error_weights(N_Vector y, N_Vector weights, void* self_pointer) {
     const auto& self = *static_cast<CvodeEngine*>(self_pointer);
+    const double* size = N_VGetArrayPointer(y);
     double* w = N_VGetArrayPointer(weights);
-    for (Eigen::Index i = 0; i < self.size_; ++i) w[i] = self.weights_(i);
+    for (Eigen::Index i = 0; i < self.size_; ++i) {
+      w[i] = 1 / (self.options_.relative_tolerance * std::max(self.sizes_(i), std::abs(size[i])));
+    }
     return 0;
   }
 
@@ -199,8 +197,8 @@ class CvodeEngine final : public Engine {
   EngineOptions options_;
   Eigen::Index n_, size_;
   std::array<Eigen::MatrixXd, 3> forms_;
-  Eigen::VectorXd z_, weights_, scales_;
-  double energy_scale_ = 0;
+  Eigen::VectorXd z_, sizes_;
+  StateScales scales_;
   double fastest_ = 0;
   double longest_ = 0;
   std::vector<double> intervals_;

@@ -52,9 +52,22 @@ std::unique_ptr<Engine> make_exact_engine(const Plant& plant, const EngineOption
 std::unique_ptr<Engine> make_cvode_engine(const Plant& plant, const EngineOptions& options);
 std::unique_ptr<Engine> make_odeint_engine(const Plant& plant, const EngineOptions& options);
 
-/// Typical size of each state, from which integrators that need an absolute tolerance take it:
-/// what the state would be if it held the energy `energy` alone, or the distance covered in
-/// `interval` for a position.
-Eigen::VectorXd compute_state_scales(const Plant& plant, double energy, double interval);
+/// Typical size of each quantity, from which integrators take their absolute tolerance: the largest
+/// that it has had so far, or would have if it held the plant's largest energy alone.
+class StateScales {
+ public:
+  explicit StateScales(const Plant& plant) : plant_(plant) {}
+
+  /// To be called at each segment's start; the energy that u will bring counts already.
+  void update(const Eigen::VectorXd& xi, const Eigen::Vector2d& u, double interval);
+
+  const Eigen::VectorXd& states() const { return states_; }
+  double energy() const { return energy_; }
+
+ private:
+  const Plant& plant_;
+  Eigen::VectorXd states_, z_;
+  double energy_ = 0;
+};
 
 }  // namespace gyrator

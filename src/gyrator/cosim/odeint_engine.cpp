@@ -18,7 +18,7 @@ namespace odeint = boost::numeric::odeint;
 class OdeintEngine final : public Engine {
  public:
   OdeintEngine(const Plant& plant, const EngineOptions& options)
-      : plant_(plant), options_(options), n_(static_cast<std::size_t>(plant.states())), y_(n_ + 3) {}
+      : plant_(plant), options_(options), n_(static_cast<std::size_t>(plant.states())), y_(n_ + 3), z_(plant.states() + 2), sizes_(plant_) {}
 
   int prepare(double interval) override {
     intervals_.push_back(interval);
@@ -28,20 +28,22 @@ class OdeintEngine final : public Engine {
   void advance(int segment, double time, const Eigen::Vector2d& u, PlantState& state) override {
     const double interval = intervals_[static_cast<std::size_t>(segment)];
     if (interval <= 0) return;
-    set_scales(interval, state);
-    for (std::size_t i = 0; i < n_; ++i) y_[i] = state.xi(static_cast<Eigen::Index>(i)) / scales_(static_cast<Eigen::Index>(i));
+    sizes_.update(state.xi, u, interval);
+    const Eigen::VectorXd& scales = sizes_.states();
+    const double energy_scale = sizes_.energy() > 0 ? sizes_.energy() : 1;
+    for (std::size_t i = 0; i < n_; ++i) y_[i] = state.xi(static_cast<Eigen::Index>(i)) / scales(static_cast<Eigen::Index>(i));
     for (std::size_t i = 0; i < 3; ++i) y_[n_ + i] = 0;
 
     const auto rhs = [&](const std::vector<double>& y, std::vector<double>& dydt, double /*t*/) {
       const Eigen::Index n = plant_.states();
-      z_.head(n) = Eigen::Map<const Eigen::VectorXd>(y.data(), n).cwiseProduct(scales_);
+      z_.head(n) = Eigen::Map<const Eigen::VectorXd>(y.data(), n).cwiseProduct(scales);
       z_.tail(2) = u;
       rate_.noalias() = plant_.A * z_.head(n) + plant_.B * u;
-      Eigen::Map<Eigen::VectorXd>(dydt.data(), n) = rate_.cwiseQuotient(scales_);
+      Eigen::Map<Eigen::VectorXd>(dydt.data(), n) = rate_.cwiseQuotient(scales);
       const auto& e = plant_.energy;
-      dydt[n_] = options_.ledger ? z_.dot(e.operator_work * z_) / energy_scale_ : 0;
-      dydt[n_ + 1] = options_.ledger ? z_.dot(e.source * z_) / energy_scale_ : 0;
-      dydt[n_ + 2] = options_.ledger ? z_.dot(e.dissipated * z_) / energy_scale_ : 0;
+      dydt[n_] = options_.ledger ? z_.dot(e.operator_work * z_) / energy_scale : 0;
+      dydt[n_ + 1] = options_.ledger ? z_.dot(e.source * z_) / energy_scale : 0;
+      dydt[n_ + 2] = options_.ledger ? z_.dot(e.dissipated * z_) / energy_scale : 0;
     };
     auto stepper = odeint::make_controlled<odeint::runge_kutta_fehlberg78<std::vector<double>>>(
         options_.relative_tolerance * 1e-3, options_.relative_tolerance);
@@ -57,10 +59,10 @@ class OdeintEngine final : public Engine {
         give_up(time + t, "step underflow", steps);
       }
     }
-    for (std::size_t i = 0; i < n_; ++i) state.xi(static_cast<Eigen::Index>(i)) = y_[i] * scales_(static_cast<Eigen::Index>(i));
-    state.operator_work += y_[n_] * energy_scale_;
-    state.source_work += y_[n_ + 1] * energy_scale_;
-    state.dissipated += y_[n_ + 2] * energy_scale_;
+    for (std::size_t i = 0; i < n_; ++i) state.xi(static_cast<Eigen::Index>(i)) = y_[i] * scales(static_cast<Eigen::Index>(i));
+    state.operator_work += y_[n_] * energy_scale;
+    state.source_work += y_[n_ + 1] * energy_scale;
+    state.dissipated += y_[n_ + 2] * energy_scale;
   }
 
  private:
@@ -71,23 +73,13 @@ class OdeintEngine final : public Engine {
                             steps, why));
   }
 
-  void set_scales(double interval, const PlantState& state) {
-    Eigen::VectorXd z = Eigen::VectorXd::Zero(plant_.states() + 2);
-    z.head(plant_.states()) = state.xi;
-    const double energy = z.dot(plant_.energy.stored * z);
-    if (scales_.size() > 0 && energy <= energy_scale_) return;
-    energy_scale_ = energy > 0 ? energy : 1;
-    scales_ = compute_state_scales(plant_, energy_scale_, interval);
-    z_.resize(plant_.states() + 2);
-  }
-
   const Plant plant_;
   EngineOptions options_;
   std::size_t n_;
   std::vector<double> y_;
   std::vector<double> intervals_;
-  Eigen::VectorXd scales_, z_, rate_;
-  double energy_scale_ = 0;
+  Eigen::VectorXd z_, rate_;
+  StateScales sizes_;
 };
 
 }  // namespace

@@ -32,6 +32,17 @@ std::string shorten(const std::string& text) {
   return text.substr(0, end) + "…";
 }
 
+// As many whole names as fit.
+std::string shorten(const std::vector<std::string>& names) {
+  constexpr std::size_t longest = 60;
+  std::string text;
+  for (const std::string& name : names) {
+    if (!text.empty() && text.size() + name.size() > longest) return text + ", …";
+    text += (text.empty() ? "" : ", ") + shorten(name);
+  }
+  return text;
+}
+
 std::string dump(const json& value) {
   return value.dump(-1, ' ', false, json::error_handler_t::replace);
 }
@@ -39,7 +50,7 @@ std::string dump(const json& value) {
 std::string describe_found(const json& value) {
   if (value.is_string()) return "the text " + shorten(dump(value));
   if (value.is_array()) return fmt::format("a list of {}", value.size());
-  if (value.is_object()) return fmt::format("an object {{{}}}", shorten(join(list_keys(value))));
+  if (value.is_object()) return fmt::format("an object {{{}}}", shorten(list_keys(value)));
   if (value.is_number()) return "the number " + dump(value);
   return dump(value);
 }
@@ -53,9 +64,11 @@ class Reader {
     const bool fits = value.is_array() && value.size() >= member.min_items &&
                       (!member.max_items || value.size() <= *member.max_items);
     if (!fits) refuse_type(value, member, at);
+    Member item = member;  // what is said of one of them
+    item.is_list = false;
     json items = json::array();
     for (std::size_t i = 0; i < value.size(); ++i) {
-      items.push_back(read_value(value[i], member, at / i));
+      items.push_back(read_value(value[i], item, at / i));
     }
     return items;
   }
@@ -181,8 +194,7 @@ class Reader {
   void check_name(const std::string& name, const std::vector<std::string>& known,
                   std::string_view what, const Pointer& at) const {
     if (std::find(known.begin(), known.end(), name) != known.end()) return;
-    refuse(at, fmt::format("unknown {} '{}': allowed: {}{}", what, shorten(name), join(known),
-                           suggest_name(name, known)));
+    refuse(at, describe_unknown_name(what, shorten(name), known));
   }
 
   json read_variant(const json& value, const Member& member, const Pointer& at) const {
@@ -231,7 +243,7 @@ class Reader {
       if (is_given) {
         object[member.name] = read_member(*given, member, at / member.name);
       } else if (member.is_required) {
-        const std::string present = value.empty() ? "none" : shorten(join(list_keys(value)));
+        const std::string present = value.empty() ? "none" : shorten(list_keys(value));
         refuse(at, fmt::format("the key '{}' is missing: {} is expected; keys given: {}",
                                member.name, describe_expected(member), present));
       } else {
@@ -258,7 +270,7 @@ class Reader {
         if (has_key)
           owner_of_key = fmt::format(" for '{}' (it belongs to '{}')", spec.name, other.name);
       }
-      refuse(at / key, fmt::format("unknown key '{}'{}: allowed here: {}{}", shorten(key),
+      refuse(at / key, fmt::format("unknown key '{}'{}: allowed: {}{}", shorten(key),
                                    owner_of_key, known.empty() ? "none" : join(known),
                                    owner_of_key.empty() ? suggest_name(key, known) : ""));
     }

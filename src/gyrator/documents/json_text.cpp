@@ -48,6 +48,60 @@ std::string describe_position(std::string_view text, std::size_t offset, std::st
                      shown, std::string(column - from, ' '));
 }
 
+// What the parser was reading, and what belongs there.
+std::string describe_rule(std::string_view context) {
+  if (context == "object key") return "a key in double quotes is expected";
+  if (context == "object separator") return "':' is expected after a key";
+  if (context == "object") return "',' or '}' is expected";
+  if (context == "array") return "',' or ']' is expected";
+  return "a value is expected: a number, a text in double quotes, true, false, null, […] or {…}";
+}
+
+// The parser's message, "syntax error while parsing object key - unexpected '}'; expected string
+// literal", in words that need no knowledge of parsers.
+std::string describe_syntax_error(std::string_view what, std::string_view text, std::size_t offset) {
+  constexpr std::string_view lead = "syntax error while parsing ";
+  const std::size_t dash = what.find(" - ");
+  if (!what.starts_with(lead) || dash == std::string_view::npos) return std::string(what);
+  const std::string rule = describe_rule(what.substr(lead.size(), dash - lead.size()));
+  std::string_view found = what.substr(dash + 3, what.find(';', dash) - dash - 3);
+  constexpr std::string_view literal = " literal";
+  if (found.starts_with("unexpected") && found.ends_with(literal)) found.remove_suffix(literal.size());
+  const std::string_view before = trim(text.substr(0, offset));
+  if (found == "unexpected end of input") return "the file ends too early: " + rule;
+  if (text.substr(offset).starts_with('/') || text.substr(offset).starts_with('#')) return "JSON has no comments";
+  const bool at_end = found == "unexpected '}'" || found == "unexpected ']'";
+  if (at_end && before.ends_with(',')) return "a comma after the last item: JSON allows none there";
+  if (found.starts_with("unexpected") || found == "invalid literal") {
+    return fmt::format("{}: {}", found == "invalid literal" ? "no JSON" : found, rule);
+  }
+  return std::string(found);
+}
+
+// Where the word that is read at `offset` starts, with its sign, and the word.
+struct Word {
+  std::size_t start;
+  std::string_view text;
+};
+Word find_word(std::string_view text, std::size_t offset) {
+  const auto is_letter = [&](std::size_t i) {
+    return (text[i] >= 'a' && text[i] <= 'z') || (text[i] >= 'A' && text[i] <= 'Z');
+  };
+  std::size_t start = std::min(offset, text.size());
+  std::size_t end = start;
+  while (start > 0 && is_letter(start - 1)) --start;
+  while (end < text.size() && is_letter(end)) ++end;
+  if (start > 0 && (text[start - 1] == '-' || text[start - 1] == '+')) --start;
+  return {start, text.substr(start, end - start)};
+}
+
+bool is_not_finite(std::string_view word) {
+  if (word.starts_with('-') || word.starts_with('+')) word.remove_prefix(1);
+  std::string lower(word);
+  for (char& c : lower) c = static_cast<char>(c | ('a' ^ 'A'));
+  return lower == "nan" || lower == "inf" || lower == "infinity";
+}
+
 // Goes through the text without building anything and refuses what the DOM would take silently
 // (a key given twice) or at the cost of the stack (depth). The parser itself does not recurse.
 class JsonChecker : public nlohmann::json_sax<nlohmann::json> {
@@ -82,8 +136,14 @@ class JsonChecker : public nlohmann::json_sax<nlohmann::json> {
     if (what.starts_with('[')) what.erase(0, what.find("] ") + 2);
     if (what.starts_with("parse error at")) what.erase(0, what.find(": ") + 2);
     if (error.id == number_overflow) what = "this number is beyond the range of a double (1.8e308)";
-    const std::size_t offset = position > 0 ? position - 1 : 0;
-    refuse(name_, describe_position(text_, offset, what));
+    const std::size_t offset = std::min(position > 0 ? position - 1 : 0, text_.size());
+    if (const Word word = find_word(text_, offset); is_not_finite(word.text)) {
+      const std::string pointer = levels_.empty() ? "/" : write_pointer();
+      refuse(name_ + ": " + pointer,
+             describe_position(text_, word.start,
+                               fmt::format("{} is no JSON number: a finite number is expected", word.text)));
+    }
+    refuse(name_, describe_position(text_, offset, describe_syntax_error(what, text_, offset)));
   }
 
  private:

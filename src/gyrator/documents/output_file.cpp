@@ -75,6 +75,18 @@ void OutputFile::commit() {
   committed_ = true;
 }
 
+void check_writable(const std::string& path) {
+  std::error_code ignored;
+  const auto status = std::filesystem::status(path, ignored);
+  const bool is_direct = std::filesystem::exists(status) && !std::filesystem::is_directory(status) &&
+                         !std::filesystem::is_regular_file(status);
+  if (!is_direct) {
+    const OutputFile probe(path);
+  } else if (::access(path.c_str(), W_OK) != 0) {  // opening a pipe would already be heard
+    fail(path, errno);
+  }
+}
+
 void write_text_file(const std::string& path, std::string_view text) {
   OutputFile file(path);
   file.stream().write(text.data(), static_cast<std::streamsize>(text.size()));

@@ -41,6 +41,9 @@ class OutputFile {
   bool committed_ = false;
 };
 
+/// Throws what OutputFile would, and leaves nothing: for before long work.
+void check_writable(const std::string& path);
+
 /// Writes `text` to `path`, whole or not at all. Errors as for OutputFile.
 void write_text_file(const std::string& path, std::string_view text);
 

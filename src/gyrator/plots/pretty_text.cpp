@@ -97,4 +97,8 @@ std::string pretty_quantity(double value, std::string_view unit, int digits) {
   return pretty_number(value, digits) + " " + pretty_unit(unit);
 }
 
+std::string pretty_frequency(double hz, int digits) {
+  return hz < 1e-3 ? "→ 0 Hz" : pretty_quantity(hz, "Hz", digits);
+}
+
 }  // namespace gyrator

@@ -18,6 +18,9 @@ std::string pretty_number(double value, int digits = 4);
 /// pretty_number and pretty_unit with a space between; only "–" where there is no number.
 std::string pretty_quantity(double value, std::string_view unit, int digits = 4);
 
+/// A frequency; below 1 mHz, far below the slowest pole, it stands for the limit: "→ 0 Hz".
+std::string pretty_frequency(double hz, int digits = 4);
+
 /// A whole number as superscript: −3 → "⁻³".
 std::string superscript(int value);
 

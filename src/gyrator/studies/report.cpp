@@ -18,16 +18,21 @@ namespace {
 
 using nlohmann::json;
 
-/// Runs `make` and names the result by its place in the list in whatever it throws.
+/// What errors call each result: its own name, or its place in the list.
+std::vector<std::string> complete_names(std::vector<std::string> names, std::size_t count) {
+  for (std::size_t i = names.size(); i < count; ++i)
+    names.push_back(fmt::format("report: result {} of {}", i + 1, count));
+  return names;
+}
+
+/// Runs `make` and puts the result's name in front of whatever it throws.
 template <typename Make>
-auto in_result(std::size_t index, std::size_t count, const Make& make) {
+auto in_result(const std::string& name, const Make& make) {
   try {
     return make();
   } catch (const Error& error) {
     if (error.code() == ErrorCode::interrupted) throw;
-    throw Error(error.code(),
-                fmt::format("report: result {} of {}: {}", index + 1, count, error.place()),
-                error.message());
+    throw Error(error.code(), name + ": " + error.place(), error.message());
   }
 }
 
@@ -40,11 +45,11 @@ json zwidth_of_same_model(const std::vector<json>& results, const json& passivit
   return nullptr;
 }
 
-std::string finding_html(const std::vector<json>& results) {
+std::string finding_html(const std::vector<json>& results, const std::vector<std::string>& names) {
   for (std::size_t i = 0; i < results.size(); ++i) {
     const auto& result = results[i];
     if (optional_text(result, "command") != "passivity") continue;
-    auto html = in_result(i, results.size(), [&]() -> std::string {
+    auto html = in_result(names[i], [&]() -> std::string {
       const auto words = finding_in_words(result);
       if (words.empty()) return {};
       const json zwidth = zwidth_of_same_model(results, result);
@@ -69,16 +74,15 @@ std::string finding_html(const std::vector<json>& results) {
   return {};
 }
 
-std::string summary_html(const std::vector<json>& results) {
+std::string summary_html(const std::vector<json>& results, const std::vector<std::string>& names) {
   std::string html;
   for (std::size_t i = 0; i < results.size(); ++i) {
-    const auto sentence =
-        in_result(i, results.size(), [&] { return verdict_sentence(results[i]); });
+    const auto sentence = in_result(names[i], [&] { return verdict_sentence(results[i]); });
     if (sentence.empty()) continue;
     html += fmt::format("<p class=\"verdict{}\">{}</p>\n", is_bad_news(results[i]) ? " bad" : "",
                         html_escape(sentence));
   }
-  return html + finding_html(results);
+  return html + finding_html(results, names);
 }
 
 std::string section_html(const json& result, std::size_t index) {
@@ -142,21 +146,24 @@ std::string title_of_page(const std::vector<json>& results) {
 
 }  // namespace
 
-std::string report_as_html(const std::vector<json>& results) {
+std::string report_as_html(const std::vector<json>& results,
+                           const std::vector<std::string>& names_given) {
   if (results.empty())
     throw Error(ErrorCode::bad_input, "report", "no results given; a report needs at least one");
+  const auto names = complete_names(names_given, results.size());
   const auto title = title_of_page(results);
-  std::string body = "<h1>" + html_escape(title) + "</h1>\n" + summary_html(results);
+  std::string body = "<h1>" + html_escape(title) + "</h1>\n" + summary_html(results, names);
   for (std::size_t i = 0; i < results.size(); ++i) {
     throw_if_interrupted("report");
-    body += in_result(i, results.size(), [&] { return section_html(results[i], i); });
+    body += in_result(names[i], [&] { return section_html(results[i], i); });
   }
   return html_page(title + " – gyrator", body + origin_html(results));
 }
 
-void write_report(const std::vector<json>& results, const std::string& path) {
+void write_report(const std::vector<json>& results, const std::string& path,
+                  const std::vector<std::string>& names) {
   OutputFile file(path);  // first: a name that cannot be written is told before the work
-  file.stream() << report_as_html(results);
+  file.stream() << report_as_html(results, names);
   file.commit();
 }
 

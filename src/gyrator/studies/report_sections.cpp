@@ -1,6 +1,7 @@
 #include "gyrator/studies/report_sections.hpp"
 
 #include "gyrator/core/error.hpp"
+#include "gyrator/core/text.hpp"
 #include "gyrator/plots/html.hpp"
 #include "gyrator/studies/result_fields.hpp"
 #include "gyrator/studies/result_figures.hpp"
@@ -22,6 +23,10 @@ using Rows = std::vector<std::vector<HtmlCell>>;
 
 HtmlCell number(double value, std::string_view unit = {}) {
   return {pretty_quantity(value, unit), "number"};
+}
+
+HtmlCell frequency_cell(double hz) {
+  return {pretty_frequency(hz), "number"};
 }
 
 /// "yes" and "no" in the page's colours; "–" for null or missing.
@@ -50,7 +55,7 @@ std::string criteria_table(const json& result) {
          answer(criterion, "applies", false),
          answer(criterion, "holds", optional_flag(criterion, "applies", true)),
          number(optional_number(criterion, "margin"), unit_of(result, "damping")),
-         number(optional_number(criterion, "worst_frequency_hz"), "Hz"),
+         frequency_cell(optional_number(criterion, "worst_frequency_hz")),
          number(optional_number(criterion, "max_stiffness"), unit_of(result, "stiffness")),
          {optional_text(criterion, "reason")}});
   return html_table(
@@ -65,7 +70,7 @@ std::string counterexample_html(const json& result) {
       {{"Operator"}, {operator_in_words(result)}},
       {{"Spectral radius of the loop"}, number(optional_number(example, "spectral_radius"), {})},
       {{"Frequency of the growing motion"},
-       number(optional_number(example, "frequency_hz"), "Hz")}};
+       frequency_cell(optional_number(example, "frequency_hz"))}};
   rows[1][1].text = pretty_number(optional_number(example, "spectral_radius"), 7);
   if (has(example, "simulation"))
     rows.push_back({{"Simulated run"}, {optional_text(example["simulation"], "classification")}});
@@ -244,8 +249,7 @@ const SectionMaker& maker_for(const json& result) {
   for (const auto& maker : makers)
     if (maker.command == command) return maker;
   throw Error(ErrorCode::bad_input, "/command",
-              fmt::format("\"{}\" is not known to the report; known are {}", command,
-                          fmt::join(known_result_commands(), ", ")));
+              describe_unknown_name("command", command, known_result_commands()));
 }
 
 }  // namespace
@@ -296,7 +300,7 @@ std::string finding_in_words(const json& passivity) {
                     "near {}.",
                     operator_in_words(passivity), wall,
                     pretty_number(optional_number(example, "spectral_radius"), 7),
-                    pretty_quantity(optional_number(example, "frequency_hz"), "Hz", 3));
+                    pretty_frequency(optional_number(example, "frequency_hz"), 3));
 }
 
 }  // namespace gyrator

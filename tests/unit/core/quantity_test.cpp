@@ -126,6 +126,7 @@ TEST(ParseQuantity, says_what_is_wrong_with_a_unit) {
       {"5 Kg", "did you mean 'kg'?"},
       {"5 mNm/A", "symbols are joined with '.'; did you mean 'mN.m'?"},
       {"5 Nms/rad", "did you mean 'N.m.s'?"},
+      {"0.4 Nm/rad", "symbols are joined with '.'; did you mean 'N.m'?"},
       {"5 Nmm", "did you mean 'N.mm'?"},
       {"5 ohn", "did you mean 'ohm'?"},
       {"5 sec", "did you mean 's'?"},
@@ -154,6 +155,27 @@ TEST(ParseQuantity, says_what_is_wrong_with_a_unit) {
     EXPECT_TRUE(has(message, part)) << text;
     EXPECT_TRUE(has(message, "'" + text + "'"));
   }
+}
+
+TEST(ParseValue, suggests_the_unit_that_a_circuit_diagram_leaves_out) {
+  const std::vector<std::tuple<std::string_view, Unit, std::string_view>> cases{
+      {"5 k", dimension::resistance, "did you mean '5 kohm'?"},
+      {"4k7", dimension::resistance, "did you mean '4.7 kohm'?"},
+      {"4R7", dimension::resistance, "did you mean '4.7 ohm'?"},
+      {"1 K", dimension::resistance, "did you mean '1 kohm'?"},
+      {"2200u", dimension::capacitance, "did you mean '2200 uF'?"},
+      {"2200\u00b5", dimension::capacitance, "did you mean '2200 uF'?"},
+  };
+  for (const auto& [text, unit, hint] : cases) EXPECT_TRUE(has(find_message(text, unit), hint));
+  EXPECT_FALSE(has(find_message("5 k", dimension::none), "did you mean"));
+  EXPECT_FALSE(has(find_message("5 V", dimension::resistance), "did you mean"));
+}
+
+TEST(ParseValue, speed_constant_is_told_from_the_torque_constant) {
+  EXPECT_TRUE(has(find_message("200 rpm/V", dimension::torque_constant), "speed constant k_n"));
+  EXPECT_TRUE(has(find_message("200 rpm/V", dimension::torque_constant), "1/k_n = 47.7465 mN.m/A"));
+  EXPECT_TRUE(has(find_message("0.5 m/s/V", dimension::force_constant), "1/k_n = 2 N/A"));
+  EXPECT_FALSE(has(find_message("200 rpm", dimension::torque_constant), "speed constant"));
 }
 
 TEST(ParseQuantity, does_not_guess_from_unrelated_letters) {
@@ -250,6 +272,11 @@ TEST(FormatQuantity, uses_the_engineering_prefix) {
   EXPECT_EQ(format_quantity(1e-6, dimension::time), "1 us");
   EXPECT_EQ(format_quantity(0.06, dimension::mass), "60 g");
   EXPECT_EQ(format_quantity(60, dimension::mass), "60 kg");
+}
+
+TEST(FormatQuantity, never_shows_a_negative_zero) {
+  EXPECT_EQ(format_quantity(-0.0, dimension::rotary_damping), "0 N.m.s/rad");
+  EXPECT_EQ(format_quantity(-0.0, dimension::none), "0");
 }
 
 TEST(FormatQuantity, leaves_what_takes_no_prefix) {

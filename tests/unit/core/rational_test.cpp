@@ -108,8 +108,22 @@ TEST(RationalFromDouble, is_the_decimal_that_the_user_wrote) {
   EXPECT_EQ(Rational::from_double(0.1), Rational(1, 10));
   EXPECT_EQ(Rational::from_double(1e-3), Rational(1, 1000));
   EXPECT_EQ(Rational::from_double(-2.5), Rational(-5, 2));
+  EXPECT_EQ(Rational::from_double(0.123456789012345), Rational::from_decimal("0.123456789012345"));
   EXPECT_EQ(find_code([] { return Rational::from_double(std::nan("")); }), ErrorCode::bad_input);
   EXPECT_EQ(find_code([] { return Rational::from_double(1e300); }), ErrorCode::bad_input);
+}
+
+TEST(FromDouble, takes_what_a_program_computed_for_the_simplest_fraction_nearby) {
+  for (const std::int64_t den : {3, 7, 60, 700, 3000, 7000, 44100, 99991}) {
+    EXPECT_EQ(Rational::from_double(1.0 / static_cast<double>(den)), Rational(1, den)) << den;
+    EXPECT_EQ(Rational::from_double(-2.0 / static_cast<double>(den)), Rational(-2, den)) << den;
+  }
+  EXPECT_EQ(Rational::from_double(9.999999999999999e-05), Rational(1, 10000));
+  EXPECT_EQ(Rational::from_double(0.1 + 0.2), Rational(3, 10));
+  EXPECT_EQ(Rational::from_double(3 * 1e-4), Rational(3, 10000));
+  EXPECT_EQ(Rational::from_double(1.0000000000000002), Rational(1));
+  EXPECT_EQ(Rational::from_double(12345678901234567.0), Rational(12345678901234568));
+  EXPECT_NEAR(Rational::from_double(0.12345678901234567).to_double(), 0.12345678901234567, 4e-17);
 }
 
 TEST(FloorDivide, rounds_towards_minus_infinity) {
@@ -171,10 +185,10 @@ TEST(ParseTime, says_what_is_wrong) {
     }
   };
   EXPECT_EQ(message("1 mS"),
-            "'1 mS': 'mS' is not a unit of time: s, ms, us, ns or min is expected; did you mean "
+            "'1 mS': unknown unit of time 'mS': allowed: s, ms, us, ns, min; did you mean "
             "'ms'?");
   EXPECT_EQ(message("1 kHz"),
-            "'1 kHz': 'kHz' is not a unit of time: s, ms, us, ns or min is expected");
+            "'1 kHz': unknown unit of time 'kHz': allowed: s, ms, us, ns, min");
   EXPECT_NE(message("1/0 s").find("the divisor is 0"), std::string::npos);
   EXPECT_NE(message("ms").find("a time is expected"), std::string::npos);
   EXPECT_NE(message("nan").find("a time is expected"), std::string::npos);

@@ -52,6 +52,11 @@ TEST(SuggestName, is_the_tail_of_a_message_or_empty) {
   EXPECT_EQ(suggest_name("colour", keys), "");
 }
 
+TEST(DescribeUnknownName, lists_what_is_allowed_and_the_nearest) {
+  EXPECT_EQ(describe_unknown_name("engine", "cvod", {"exact", "cvode"}),
+            "unknown engine 'cvod': allowed: exact, cvode; did you mean 'cvode'?");
+}
+
 TEST(Join, puts_the_separator_between) {
   EXPECT_EQ(join({}), "");
   EXPECT_EQ(join({"a"}), "a");

@@ -149,7 +149,7 @@ TEST(ReadDocument, unknown_key_gives_nearest_and_all_allowed) {
   const auto refusal = find_refusal(with("/motor/resistence", 5));
   EXPECT_EQ(refusal.place, "d.json: /motor/resistence");
   EXPECT_EQ(refusal.message,
-            "unknown key 'resistence': allowed here: resistance, inductance, torque_constant; did "
+            "unknown key 'resistence': allowed: resistance, inductance, torque_constant; did "
             "you mean 'resistance'?");
   EXPECT_EQ(find_refusal(with("/$schema", "x")).message, "no error");
   EXPECT_NE(find_refusal(with("/motor/$schema", "x")).message, "no error");
@@ -160,7 +160,7 @@ TEST(ReadDocument, key_of_another_kind_is_named_as_such) {
       with("/damping", {{{"kind", "resistor"}, {"resistance", 1}, {"capacitance", 1}}}));
   EXPECT_EQ(refusal.place, "d.json: /damping/0/capacitance");
   EXPECT_EQ(refusal.message,
-            "unknown key 'capacitance' for 'resistor' (it belongs to 'rc'): allowed here: kind, "
+            "unknown key 'capacitance' for 'resistor' (it belongs to 'rc'): allowed: kind, "
             "resistance");
 }
 
@@ -207,6 +207,18 @@ TEST(ReadDocument, wrong_type_tells_what_was_found) {
     EXPECT_EQ(refusal.message, message);
     EXPECT_EQ(refusal.place, std::string("d.json: ") + pointer);
   }
+}
+
+TEST(ReadDocument, item_of_a_list_is_not_asked_to_be_a_list) {
+  EXPECT_EQ(find_refusal(with("/damping", {3})).message,
+            "found the number 3: an object with \"kind\" one of resistor, rc, cancellation is expected");
+}
+
+TEST(ReadDocument, long_list_of_keys_is_cut_between_two) {
+  json motor;
+  for (const char c : {'a', 'b', 'c', 'd', 'e', 'f', 'g'}) motor["key_of_many_" + std::string(1, c)] = 1;
+  const auto message = find_refusal(with("/name", motor)).message;
+  EXPECT_NE(message.find("key_of_many_c, key_of_many_d, …"), std::string::npos) << message;
 }
 
 TEST(ReadDocument, document_that_is_no_object_is_refused) {

@@ -53,9 +53,26 @@ TEST(ParseJsonText, column_counts_characters_and_not_bytes) {
 TEST(ParseJsonText, truncated_text_is_shown_at_its_end) {
   const std::string message = parse_error("{\n  \"a\": [1, 2");
   EXPECT_TRUE(has(message, "line 2, column 13: "));
-  EXPECT_TRUE(has(message, "unexpected end of input"));
-  EXPECT_TRUE(has(message, "expected ']'"));
+  EXPECT_TRUE(has(message, "the file ends too early"));
+  EXPECT_TRUE(has(message, "']' is expected"));
   EXPECT_TRUE(has(parse_error("{\"a\": \"x"), "missing closing quote"));
+}
+
+TEST(ParseJsonText, says_what_is_wrong_without_the_jargon_of_parsers) {
+  EXPECT_TRUE(has(parse_error("{\"a\": 1,}"), "a comma after the last item"));
+  EXPECT_TRUE(has(parse_error("[1,]"), "a comma after the last item"));
+  EXPECT_TRUE(has(parse_error("[1 // one\n]"), "JSON has no comments"));
+  EXPECT_TRUE(has(parse_error("{\"a\": 1 \"b\": 2}"), "unexpected string: ',' or '}' is expected"));
+  EXPECT_TRUE(has(parse_error("{a: 1}"), "a key in double quotes is expected"));
+  EXPECT_TRUE(has(parse_error("{\"a\" 1}"), "':' is expected after a key"));
+  EXPECT_TRUE(has(parse_error("{\"a\": yes}"), "a value is expected"));
+}
+
+TEST(ParseJsonText, not_a_number_and_infinity_are_named_with_their_pointer) {
+  EXPECT_TRUE(has(parse_error("{\"a\": [1,\n NaN]}"),
+                  "f.json: /a/1: line 2, column 2: NaN is no JSON number"));
+  EXPECT_TRUE(has(parse_error("{\"a\": -Infinity}"),
+                  "f.json: /a: line 1, column 7: -Infinity is no JSON number"));
 }
 
 TEST(ParseJsonText, long_line_is_shown_around_the_column) {

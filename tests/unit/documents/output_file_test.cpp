@@ -83,6 +83,18 @@ TEST(OutputFile, RefusesAFolderAsTargetAndAFileAsFolder) {
   EXPECT_THROW(OutputFile(""), Error);
 }
 
+TEST(CheckWritable, TellsWhatOutputFileWouldAndLeavesNothing) {
+  const ScratchFolder folder;
+  check_writable(folder / "result.txt");
+  check_writable("/dev/null");
+  EXPECT_EQ(folder.count(), 0U);
+  EXPECT_THROW(check_writable(folder / "no_such_folder" / "result.txt"), Error);
+  EXPECT_THROW(check_writable(folder.path().string()), Error);
+  write_text_file(folder / "kept.txt", "kept");
+  check_writable(folder / "kept.txt");
+  EXPECT_EQ(read_text(folder / "kept.txt"), "kept");
+}
+
 TEST(OutputFile, WritesADeviceDirectlyAndLeavesItADevice) {
   write_text_file("/dev/null", "gone");
   EXPECT_TRUE(fs::is_character_file("/dev/null"));

@@ -104,6 +104,13 @@ TEST(SpringDamperCriterion, holds_up_to_its_limit_and_leaves_what_its_inequality
   EXPECT_NEAR(*below.worst_frequency_hz, 500, 1e-9);
 }
 
+TEST(SpringDamperCriterion, counts_a_negative_virtual_damping_by_its_size) {
+  const CriterionResult c =
+      judge({make_p3().device, VirtualWall{400, -0.4}, prompt, 0}, "spring_damper");
+  EXPECT_NEAR(c.margin, 0.8 - 0.2 - 0.4, 1e-12);
+  EXPECT_NEAR(*c.max_stiffness, 800, 1e-9);
+}
+
 TEST(SpringDamperCriterion, does_not_apply_with_a_delay_a_filter_a_varying_damping_or_a_circuit) {
   const auto reason = [](const Device& device, const VirtualWall& wall, const Sampling& sampling) {
     const CriterionResult c = judge({device, wall, sampling, 0}, "spring_damper");

@@ -158,7 +158,7 @@ TEST(Report, RefusesAnUnknownCommandAndListsTheKnownOnes) {
     EXPECT_EQ(error.code(), ErrorCode::bad_input);
     const std::string text = error.what();
     EXPECT_NE(text.find("result 2 of 2"), std::string::npos) << text;
-    EXPECT_NE(text.find("\"teleport\""), std::string::npos) << text;
+    EXPECT_NE(text.find("'teleport'"), std::string::npos) << text;
     EXPECT_NE(text.find("impedance, passivity, simulate, zwidth"), std::string::npos) << text;
   }
   EXPECT_EQ(folder.count(), 0U) << "nothing may be left behind";
@@ -173,6 +173,17 @@ TEST(Report, NamesResultCommandAndKeyWhereAKeyIsMissing) {
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(),
                  "report: result 1 of 1: simulate result: /energy: /residual: is missing");
+  }
+}
+
+TEST(Report, NamesTheFileThatAResultCameFrom) {
+  auto simulate = sample_simulate();
+  simulate["energy"].erase("residual");
+  try {
+    report_as_html({sample_simulate(), simulate}, {"a.json", "b.json"});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "b.json: simulate result: /energy: /residual: is missing");
   }
 }
 
