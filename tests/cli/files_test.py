@@ -9,7 +9,7 @@ ENDLESS = {  # commands that would work for minutes
     "simulate, exact": ["simulate", RC_DISPLAY, "--duration", "2e4 s"],
     "simulate, cvode": ["simulate", RC_DISPLAY, "--duration", "1e4 s", "--engine", "cvode"],
     "simulate, odeint": ["simulate", RC_DISPLAY, "--duration", "1e4 s", "--engine", "odeint"],
-    "simulate, trace step": ["simulate", RC_DISPLAY, "--duration", "1e3 s", "--trace-step", "1 us"],
+    "simulate, trace step": ["simulate", RC_DISPLAY, "--duration", "100 s", "--trace-step", "20 us"],
 }
 
 

@@ -35,6 +35,7 @@ std::vector<Scenario> make_scenarios(const Device& device) {
   return {
       {"spring", plain, 0, {}, 0, 1, 0},
       {"spring let go at rest", plain, 0, {}, 0.02, 0, 0},
+      {"spring let go at rest, hardly away", plain, 0, {}, 5e-5, 0, 0},
       {"pushed from rest", plain, 0, {}, 0, 0, 50 * J},
       {"tiny motion from rest", plain, 0, {}, 0, 0, 5e-5 * J},
       {"spring and filtered damper, 0.3 periods late", damped, Rational(3, 10), {}, 0.01, 0.5, 0},

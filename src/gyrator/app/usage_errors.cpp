@@ -68,13 +68,14 @@ std::optional<Number> find_number(const std::string& text) {
 }
 
 template <class Number>
-CLI::Validator between(Number low, Number high, const std::string& expected) {
+CLI::Validator between(Number low, Number high, const std::string& kind) {
+  const std::string expected = fmt::format("{} from {} to {}", kind, low, high);
   const auto check = [=](const std::string& text) {
     const auto number = find_number<Number>(text);
     if (number && *number >= low && *number <= high) return std::string();
     return fmt::format("'{}': {} is expected", text, expected);
   };
-  return {check, fmt::format("{:g} to {:g}", static_cast<double>(low), static_cast<double>(high)), ""};
+  return {check, fmt::format("{} to {}", low, high), ""};
 }
 
 }  // namespace
@@ -104,11 +105,11 @@ CLI::Validator not_empty() {
 }
 
 CLI::Validator whole_number_between(long low, long high) {
-  return between(low, high, fmt::format("a whole number from {} to {}", low, high));
+  return between(low, high, "a whole number");
 }
 
 CLI::Validator number_between(double low, double high) {
-  return between(low, high, fmt::format("a number between {:g} and {:g}", low, high));
+  return between(low, high, "a number");
 }
 
 }  // namespace gyrator::app

@@ -186,9 +186,12 @@ Eigen::MatrixXcd solve_descriptor(const Descriptor& descriptor, std::complex<dou
   const Eigen::MatrixXcd solution = pencil.partialPivLu().solve(descriptor.B.cast<std::complex<double>>());
   if (!solution.allFinite()) {
     // The unknown that the singular equations leave free, and the elements around it.
-    const Eigen::FullPivLU<Eigen::MatrixXcd> lu(pencil);
     Eigen::Index unknown = 0;
-    if (pencil.allFinite()) lu.kernel().col(0).cwiseAbs().maxCoeff(&unknown);
+    if (pencil.allFinite()) {
+      Eigen::FullPivLU<Eigen::MatrixXcd>(pencil).kernel().col(0).cwiseAbs().maxCoeff(&unknown);
+    } else {
+      while (pencil.row(unknown).allFinite()) ++unknown;
+    }
     throw Error(ErrorCode::numerical,
                 fmt::format("{}", fmt::join(descriptor.equation_elements[static_cast<std::size_t>(unknown)], ", ")),
                 fmt::format("the network's equations are singular to rounding at {:g} Hz: values out of all proportion "

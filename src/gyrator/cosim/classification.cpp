@@ -41,23 +41,26 @@ std::vector<Cycle> find_cycles(std::span<const double> velocity) {
   return cycles;
 }
 
-// Growth of a motion without oscillation, from the sizes in the last three of `parts` parts.
-double find_steady_growth(std::span<const double> velocity, std::size_t parts) {
+// Growth of a motion without oscillation: the ratio of its sizes in the last two of six parts. An
+// exponential grows by the same factor from part to part; a swing on its way to a peak, or back from
+// one, does not, and counts as none.
+double find_steady_growth(std::span<const double> velocity) {
+  constexpr std::size_t parts = 6;
   const std::size_t part = velocity.size() / parts;
   if (part == 0) return 0;
-  const auto size_of = [&](std::size_t from_end) {
-    double largest = 0;
-    for (const double v : velocity.subspan(velocity.size() - from_end * part, part)) largest = std::max(largest, std::abs(v));
-    return largest;
-  };
-  const double early = size_of(3);
-  const double middle = size_of(2);
-  const double late = size_of(1);
-  if (early == 0 || middle == 0) return 0;
-  // An exponential grows by the same factor again; an oscillation on its way to a peak slows down.
-  const bool slows_down = late / middle < 0.99 * (middle / early);
-  const double growth = late / middle;
-  return growth > 1 && slows_down ? 0 : growth;
+  double growth = 0;
+  double before = 0;
+  for (std::size_t i = 0; i < parts; ++i) {
+    double size = 0;
+    for (const double v : velocity.subspan(i * part, part)) size = std::max(size, std::abs(v));
+    if (i > 0) {
+      const double ratio = before > 0 ? size / before : 0;
+      if (ratio <= 1 || ratio < 0.99 * growth) return 0;
+      growth = ratio;
+    }
+    before = size;
+  }
+  return growth;
 }
 
 }  // namespace
@@ -91,7 +94,7 @@ Classification classify(const std::vector<double>& position, const std::vector<d
     c.growth = std::pow(ratio, sixth / between);
     c.frequency_hz = static_cast<double>(cycles.size()) / ((cycles.back().end - cycles.front().start) * period);
   } else {
-    c.growth = find_steady_growth(all, 6);
+    c.growth = find_steady_growth(all);
   }
   c.amplitude = half_swing(std::span(position).last(third));
   if (stopped_early) {

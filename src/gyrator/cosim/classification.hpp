@@ -16,7 +16,7 @@ std::string_view name_of(Outcome outcome);
 /// over the cycles of the run's last third, per h, a sixth of the run. Where the third holds fewer
 /// than two cycles, the last two thirds are taken, then the whole run. Without two cycles
 /// anywhere the motion does not oscillate: its growth is the ratio of its sizes in the last two
-/// sixths, and counts as such only if it does not slow down.
+/// sixths, and counts only if it has grown from sixth to sixth without slowing down.
 /// Diverges above `growth_limit`, or where the run was stopped; settles below 1/`growth_limit`, or
 /// where the last swing is below `rest_fraction` of the run's largest; else a sustained oscillation.
 struct ClassificationOptions {

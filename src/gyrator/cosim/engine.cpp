@@ -46,9 +46,10 @@ void StateScales::update(const Eigen::VectorXd& xi, const Eigen::Vector2d& u, do
     z_.tail(2) = u;
     return z_.dot(plant_.energy.stored * z_);
   };
-  const Eigen::VectorXd next = xi + interval * (plant_.A * xi + plant_.B * u);
-  // The first step of Euler may overshoot by far where the plant is stiff: it only stands in
-  // while nothing has moved yet.
+  // Nothing has moved yet: what the inputs and the operator's springs will bring at once counts.
+  const double fastest = plant_.A.cwiseAbs().rowwise().sum().maxCoeff();
+  const double start = fastest * interval > 1 ? 1 / fastest : interval;
+  const Eigen::VectorXd next = xi + start * (plant_.A * xi + plant_.B * u);
   const double energy = energy_ > 0 ? energy_of(xi) : std::max(energy_of(xi), energy_of(next));
   if (energy > energy_ || states_.size() == 0) {
     energy_ = energy;

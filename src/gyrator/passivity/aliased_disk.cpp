@@ -137,6 +137,8 @@ AliasedDisk::Terms AliasedDisk::collect(double omega) {
     const auto add = [&](double at, double factor) {
       Term term = weigh(make_term(side * at), side * at, factor);
       if (!whole_delay_) term.center_weight = 0;
+      // e^(-jw_n t_d) is the same at every alias, but not between them.
+      if (whole_delay_) term.center_weight = -factor * hold * std::polar(1.0, -omega * delay_) / (at * at);
       terms.aliases.push_back(term);
     };
     for (const auto& node : gauss_nodes<6>(a, tail_start_)) add(node.x, node.weight / sampling_frequency);

@@ -9,6 +9,7 @@
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/interrupt.hpp"
 #include "gyrator/cosim/sampled_plant.hpp"
+#include "gyrator/passivity/foster_operator.hpp"
 
 namespace gyrator {
 namespace {
@@ -16,14 +17,20 @@ namespace {
 using Complex = std::complex<double>;
 
 // An operator counts as a counterexample when the loop grows beyond rounding.
-constexpr double clearly_growing = 1e-8;
+constexpr double clearly_growing = 2e-9;
+// … and one that grows a part in a million per sample is not worth improving on.
+constexpr double well_growing = 1e-6;
 constexpr int refined_candidates = 4;
+constexpr int most_aliases_met = 25;
+constexpr double most_flops = 4e9;  // a few seconds
 
 // An operator must be of the device's own order of magnitude: beyond, eigenvalues are rounding.
 // In units of the device's inertia J and of J/T^2; a part below the smallest is left out.
 constexpr double largest_inertia = 1e5;
 constexpr double largest_stiffness = 1e2;
 constexpr double smallest_part = 1e-7;
+
+bool is_nyquist(double omega, double period) { return std::abs(omega * period - std::numbers::pi) < 1e-9; }
 
 // The reactance with which the operator turns an alias of complex weight k S A to the wanted angle.
 double find_reactance(const PortResponse& response, Complex weight, double angle) {
@@ -32,30 +39,33 @@ double find_reactance(const PortResponse& response, Complex weight, double angle
   return std::imag(1.0 / disk_element - response.impedance);
 }
 
-struct WantedReactance {
-  double omega, at_base, at_first_alias;  // the alias at w - w_s < 0
-};
-
-WantedReactance find_wanted(AliasedDisk& disk, double omega, Complex law, double delay) {
+// The reactances that turn the `count` strongest aliases (0, -1, 1, -2 …) to the direction in which
+// -1/H lies; at Nyquist those below are the conjugates of those above, and are met with them.
+std::vector<WantedReactance> find_wanted(AliasedDisk& disk, double omega, Complex law, double delay, int count) {
   const double sampling_frequency = 2 * std::numbers::pi / disk.period();
+  const bool at_nyquist = is_nyquist(omega, disk.period());
   const DiskPoint point = disk.at(omega);
   const double angle = std::arg(-1.0 / law - point.center);
-  const auto reactance_at = [&](double at) {
+  std::vector<WantedReactance> wanted;
+  for (int i = 0; i < count; ++i) {
+    const int alias = i % 2 == 0 ? i / 2 : -(i + 1) / 2;
+    if (at_nyquist && alias < 0) continue;
+    const double at = omega + alias * sampling_frequency;
     const PortResponse r = disk.model().at(std::abs(at));
     // k_n without its positive factor: -(1 - e^(-jwT)) e^(-jw_n t_d)
     const Complex hold = -(1.0 - std::polar(1.0, -omega * disk.period())) * std::polar(1.0, -at * delay);
-    Complex path = r.sensor_path * r.actuation;
-    if (at < 0) path = std::conj(path);
-    // For a negative frequency the response is conjugate, and so is what turns it.
-    return at > 0 ? find_reactance(r, hold * path, angle) : -find_reactance(r, std::conj(hold * path), -angle);
-  };
-  return {omega, reactance_at(omega), reactance_at(omega - sampling_frequency)};
+    const Complex path = r.sensor_path * r.actuation;
+    // For a negative frequency everything is conjugate.
+    wanted.push_back({std::abs(at), at > 0 ? find_reactance(r, hold * path, angle)
+                                           : find_reactance(r, std::conj(hold) * path, -angle)});
+  }
+  return wanted;
 }
 
 // Inertia and spring with M w - k/w = X at w, over the free parameter of the family.
 void add_family(const WantedReactance& wanted, double inertia_scale, std::vector<MassSpringDamper>& candidates) {
   const double w = wanted.omega;
-  const double x = wanted.at_base;
+  const double x = wanted.reactance;
   if (!std::isfinite(x)) return;
   for (const double share : {0.0, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0}) {
     const double size = std::abs(x) + 1e-9 * inertia_scale * w;
@@ -71,12 +81,12 @@ void add_family(const WantedReactance& wanted, double inertia_scale, std::vector
   }
 }
 
-// Inertia and spring that also meet the first alias, w' = w - w_s; none where one would be negative.
-std::optional<MassSpringDamper> solve_both(const WantedReactance& wanted, double period) {
-  const double w = wanted.omega;
-  const double v = 2 * std::numbers::pi / period - w;  // at -v the reactance is -(M v - k/v)
-  const double x = wanted.at_base;
-  const double y = -wanted.at_first_alias;
+// Inertia and spring that also meet the first alias; none where one would be negative.
+std::optional<MassSpringDamper> solve_both(const WantedReactance& base, const WantedReactance& alias) {
+  const double w = base.omega;
+  const double v = alias.omega;
+  const double x = base.reactance;
+  const double y = alias.reactance;
   // M w - k/w = x, M v - k/v = y
   const double determinant = v / w - w / v;
   if (!(std::abs(determinant) > 1e-9)) return std::nullopt;
@@ -110,7 +120,11 @@ class Search {
 
   Counterexample judge(const MassSpringDamper& held_by) const {
     throw_if_interrupted("passivity");
-    return judge_operator(device_, sampling_, law_, held_by);
+    try {
+      return judge_operator(device_, sampling_, law_, held_by);
+    } catch (const std::exception&) {  // values out of all proportion: not a candidate
+      return {held_by, 0, 0};
+    }
   }
 
   // Leaves out parts that do not matter: a plain inertia says more than one with a weak spring.
@@ -126,30 +140,16 @@ class Search {
   }
 
   // Local improvement over the logarithms of all parts, present or not.
-  Counterexample improve(const Counterexample& start, bool resonator, int evaluations) const {
+  Counterexample improve(const Counterexample& start, int evaluations) const {
     std::vector<double> x{std::log(start.held_by.inertia), std::log(start.held_by.stiffness)};
     std::vector<double> lower{std::log(smallest_part * inertia_scale()), std::log(smallest_part * stiffness_scale())};
     std::vector<double> upper{std::log(largest_inertia * inertia_scale()),
                               std::log(largest_stiffness * stiffness_scale())};
-    if (resonator) {
-      const double inertia = std::max(start.held_by.inertia, 1e-2 * inertia_scale());
-      lower.insert(lower.end(), {lower[0], lower[1]});
-      upper.insert(upper.end(), {upper[0], upper[1]});
-      x.push_back(std::log(inertia));
-      x.push_back(std::log(inertia * std::pow(2 * std::numbers::pi * 0.35 / sampling_.period.to_double(), 2)));
-    }
     Counterexample best = start;
     nlopt::opt optimizer(nlopt::LN_NELDERMEAD, static_cast<unsigned>(x.size()));
     nlopt::vfunc objective = [](const std::vector<double>& v, std::vector<double>&, void* data) {
       auto& [search, found] = *static_cast<std::pair<const Search*, Counterexample*>*>(data);
-      MassSpringDamper held_by{std::exp(v[0]), 0, std::exp(v[1]), {}};
-      if (v.size() > 2) held_by.resonators.push_back({std::exp(v[2]), std::exp(v[3])});
-      Counterexample candidate;
-      try {
-        candidate = search->judge(held_by);
-      } catch (const std::exception&) {  // values out of all proportion: not a candidate
-        return 0.0;
-      }
+      const Counterexample candidate = search->judge({std::exp(v[0]), 0, std::exp(v[1]), {}});
       if (candidate.spectral_radius > found->spectral_radius) *found = candidate;
       return candidate.spectral_radius;
     };
@@ -176,6 +176,38 @@ class Search {
   const DiscreteStateSpace& law_;
 };
 
+// Eigenvalues of a loop with so many states on top of the device's own.
+double count_flops(double more_states) { return 25 * std::pow(10 + more_states, 3); }
+
+// Operators that meet more and more aliases, with a resonator for each.
+Counterexample meet_aliases(const Search& search, AliasedDisk& disk, const DiscreteStateSpace& law,
+                            const Sampling& sampling, const std::vector<double>& failing_omega) {
+  const auto delay_states = static_cast<double>(split_delay(sampling).whole);
+  Counterexample best;
+  double flops = 0;
+  const std::size_t stride = std::max<std::size_t>(1, failing_omega.size() / 12);
+  for (const int count : {3, 5, 9, 17, 25, 49, 81}) {
+    for (std::size_t i = 0; i < failing_omega.size(); i += stride) {
+      const double omega = failing_omega[i];
+      // Each alias more brings the bound nearer by 1/count; at Nyquist half of them come for nothing.
+      if (count > most_aliases_met && !is_nyquist(omega, disk.period())) continue;
+      const auto wanted = find_wanted(disk, omega, law.response(std::polar(1.0, omega * disk.period())),
+                                      sampling.delay.to_double(), count);
+      for (const double nearness : {0.45, 0.25, 0.1}) {
+        for (const double both : {0.0, 1.0}) {
+          const auto held_by = interpolate_reactances(wanted, nearness, both);
+          if (!held_by) continue;
+          const Counterexample candidate = search.judge(*held_by);
+          if (candidate.spectral_radius > best.spectral_radius) best = candidate;
+          flops += count_flops(delay_states + 2 * static_cast<double>(wanted.size()));
+        }
+      }
+      if (best.spectral_radius > 1 + well_growing || flops > most_flops) return best;
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 Counterexample judge_operator(const Device& device, const Sampling& sampling, const DiscreteStateSpace& law,
@@ -193,15 +225,14 @@ std::optional<Counterexample> find_counterexample(const Device& device, const Sa
   const double delay = sampling.delay.to_double();
   std::vector<MassSpringDamper> operators{MassSpringDamper{}};
   for (const double omega : failing_omega) {
-    const WantedReactance wanted =
-        find_wanted(disk, omega, law.response(std::polar(1.0, omega * disk.period())), delay);
-    add_family(wanted, search.inertia_scale(), operators);
-    if (const auto both = solve_both(wanted, disk.period())) operators.push_back(*both);
+    const auto wanted = find_wanted(disk, omega, law.response(std::polar(1.0, omega * disk.period())), delay, 3);
+    add_family(wanted[0], search.inertia_scale(), operators);
+    if (wanted.size() < 2) continue;  // none below at Nyquist
+    if (const auto both = solve_both(wanted[0], wanted[1])) operators.push_back(*both);
   }
   // A loop with a long delay has a large matrix: there the search is kept to a few seconds.
   const auto delay_states = static_cast<double>(split_delay(sampling).whole);
-  const double flops = 25 * std::pow(10 + delay_states, 3);
-  const int affordable = static_cast<int>(std::clamp(4e9 / flops, 8.0, 1e4));
+  const int affordable = static_cast<int>(std::clamp(most_flops / count_flops(delay_states), 8.0, 1e4));
   std::vector<Counterexample> candidates;
   for (const auto& held_by : operators) {
     if (static_cast<int>(candidates.size()) >= affordable) break;
@@ -212,17 +243,15 @@ std::optional<Counterexample> find_counterexample(const Device& device, const Sa
   };
   std::sort(candidates.begin(), candidates.end(), stronger);
 
-  // Refine a few of the best, of which the strongest wins; resonators last.
+  // Refine a few of the best, of which the strongest wins; resonators only where these do not do.
   Counterexample best = candidates.front();
-  for (const bool resonator : {false, true}) {
-    if (resonator && best.spectral_radius > 1 + clearly_growing) break;
-    const std::size_t count = std::min<std::size_t>(refined_candidates, candidates.size());
-    for (std::size_t i = 0; i < count; ++i) {
-      const int evaluations = std::min(resonator ? 250 : 80, affordable / refined_candidates);
-      const Counterexample refined = search.improve(candidates[i], resonator, evaluations);
-      if (stronger(refined, best)) best = refined;
-      if (best.spectral_radius > 1 + 1e-4) break;
-    }
+  const std::size_t count = std::min<std::size_t>(refined_candidates, candidates.size());
+  for (std::size_t i = 0; i < count && best.spectral_radius < 1 + 1e-4; ++i) {
+    const Counterexample refined = search.improve(candidates[i], std::min(80, affordable / refined_candidates));
+    if (stronger(refined, best)) best = refined;
+  }
+  if (!(best.spectral_radius > 1 + clearly_growing)) {
+    best = meet_aliases(search, disk, law, sampling, failing_omega);
   }
   if (!(best.spectral_radius > 1 + clearly_growing)) return std::nullopt;
   return search.simplify(best);

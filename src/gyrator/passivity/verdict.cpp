@@ -131,16 +131,39 @@ class Judge {
     return curves;
   }
 
-  // Smallest damper at the port that lifts D above zero everywhere: bracket by doubling, then bisect.
+  // Smallest damper at the port that lifts D above zero everywhere: on the grid, then where the
+  // minimum lies between its points. With it no passive operator can change the loop's stability,
+  // so that of the damper alone decides.
   std::optional<double> find_extra_damping() {
     std::vector<AliasedDisk::Terms> terms;
     for (const double omega : limits_.grid()) terms.push_back(limits_.disk().collect(omega));
     terms.push_back(limits_.disk().collect(worst_.omega));
-    const auto mended = [&](double extra) {
-      return std::all_of(terms.begin(), terms.end(), [&](const AliasedDisk::Terms& t) {
-        return limits_.disk().evaluate(t, extra).damping_margin(law_at(t.omega)) > 0;
-      });
+    const auto margin = [&](const AliasedDisk::Terms& t, double extra) {
+      return limits_.disk().evaluate(t, extra).damping_margin(law_at(t.omega));
     };
+    std::optional<double> extra;
+    for (int round = 0; round < 20; ++round) {
+      extra = lift_above_zero([&](double damping) {
+        return std::all_of(terms.begin(), terms.end(), [&](const auto& t) { return margin(t, damping) > 0; });
+      });
+      if (!extra) return std::nullopt;
+      std::vector<double> values;
+      for (std::size_t i = 0; i < limits_.grid().size(); ++i) values.push_back(margin(terms[i], *extra));
+      const Minimum left = find_minimum(limits_.grid(), values, [&](double omega) {
+        return limits_.disk().at(omega, *extra).damping_margin(law_at(omega));
+      });
+      if (left.value > 0) break;
+      terms.push_back(limits_.disk().collect(left.omega));
+    }
+    const Plant damped = build_plant(build_device_network(model_.device, MassSpringDamper{0, *extra, 0, {}}));
+    const double radius = compute_spectral_radius(build_loop_matrix(sample_plant(damped, model_.sampling), law_));
+    if (radius > 1 + stability_tolerance) return std::nullopt;
+    return extra;
+  }
+
+  // Bracket by doubling, then bisect.
+  template <class Mended>
+  std::optional<double> lift_above_zero(const Mended& mended) const {
     double high = std::max(1e-12, std::abs(worst_.value));
     for (int doublings = 0; !mended(high); high *= 2) {
       if (++doublings > 60) return std::nullopt;

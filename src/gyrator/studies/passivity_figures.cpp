@@ -150,7 +150,7 @@ std::vector<Panel> disk_panels(const json& result) {
   if (!std::isfinite(distance)) return {};  // an active device has no disk
   std::vector<Panel> panels = {disk_panel(
       result, disk,
-      fmt::format("Loop responses at {} Hz: −1/H is {}", pretty_number(number("frequency_hz"), 3),
+      fmt::format("Loop responses at {}: −1/H is {}", pretty_frequency(number("frequency_hz"), 3),
                   distance <= 0 ? "inside, fails" : "outside, holds"))};
   if (std::abs(distance) < 0.1 * disk.radius) panels.push_back(rim_panel(result, disk));
   return panels;

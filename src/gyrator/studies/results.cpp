@@ -227,7 +227,7 @@ void check_ledger(const Model& model, const TimeRun& run, double tolerance) {
   const FastestElement fastest = find_fastest_element(build_device_network(model.device, model.held_by));
   if (!std::isfinite(e.residual)) {
     throw Error(ErrorCode::numerical, fmt::format("t = {:g} s", run.final_time_s),
-                "the numbers of the run overflow: initial values or a component out of all proportion");
+                "the numbers of the run are no longer finite: an initial value or a component is out of all proportion");
   }
   throw Error(ErrorCode::numerical, fastest.element,
               fmt::format("the energy ledger does not close (residual {:.3g} J of {:.3g} J moved, t = {:g} s): this element "

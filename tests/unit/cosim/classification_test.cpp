@@ -38,11 +38,62 @@ TEST(Classification, tells_a_decay_a_cycle_and_a_growth_apart) {
   EXPECT_EQ(judge(oscillate(40, 3, 1500)).outcome, Outcome::diverges);
 }
 
-TEST(Classification, growth_is_that_of_one_half_of_the_last_third_over_the_other) {
-  // 1500 samples: halves of 250 ms, ten cycles each; e^(rate 0.25 s).
+TEST(Classification, growth_is_the_factor_of_swing_over_a_sixth_of_the_run) {
+  // 1500 samples: a sixth is 250 ms, ten cycles, e^(rate 0.25 s).                        (cls-1)
   for (const double rate : {-2.0, 0.0, 1.0}) {
-    // The extremes of a sampled sinusoid are found to 1 - cos(w T/2) = 0.8 %, alike in both halves.
+    // The extremes of a sampled sinusoid are found to 1 - cos(w T/2) = 0.8 %, alike in each cycle.
     EXPECT_NEAR(judge(oscillate(40, rate, 1500)).growth, std::exp(rate * 0.25), 0.01) << rate;
+  }
+}
+
+TEST(Classification, only_the_last_third_counts_where_it_holds_two_cycles) {
+  // Decays fast for two thirds, then goes on for ever at what is left; and the other way round.
+  Motion cycle = oscillate(40, -4, 1500);
+  Motion decay = oscillate(40, 4, 1500);
+  const Motion steady = oscillate(40, 0, 1500), falling = oscillate(40, -4, 1500);
+  for (std::size_t k = 1000; k < 1500; ++k) {
+    cycle.velocity[k] = std::exp(-4.0) * steady.velocity[k];
+    decay.velocity[k] = std::exp(8.0) * falling.velocity[k];
+  }
+  EXPECT_EQ(judge(cycle).outcome, Outcome::limit_cycle);
+  EXPECT_NEAR(judge(cycle).growth, 1, 0.01);
+  EXPECT_EQ(judge(decay).outcome, Outcome::settles);
+}
+
+TEST(Classification, a_run_of_few_cycles_is_judged_by_all_of_them) {
+  // From three cycles in all (one in the last third), at several phases of the start.
+  for (const int lead : {0, 7, 13, 19, 31}) {
+    for (const int count : {125, 150, 200, 300}) {  // three to eight cycles of 25 samples
+      for (const double rate : {-6.0, -1.0, 1.0, 6.0}) {
+        const Motion all = oscillate(40, rate, count + lead);
+        const Motion part{{all.position.begin() + lead, all.position.end()},
+                          {all.velocity.begin() + lead, all.velocity.end()}};
+        const double growth = std::exp(rate * count * T / 6);
+        if (std::abs(std::log(growth)) < 2 * std::log(1.02)) continue;  // too near to tell
+        EXPECT_EQ(judge(part).outcome, rate > 0 ? Outcome::diverges : Outcome::settles)
+            << "rate " << rate << ", " << count << " samples from " << lead << ", growth "
+            << judge(part).growth;
+      }
+    }
+  }
+}
+
+TEST(Classification, without_a_cycle_an_exponential_diverges_and_a_swing_on_its_way_does_not) {
+  Motion runaway, ramp, terminal;
+  for (int k = 0; k < 600; ++k) {
+    const double t = k * T;
+    runaway.velocity.push_back(1e-3 * std::exp(20 * t));
+    ramp.velocity.push_back(t);                        // a free mass under a steady push
+    terminal.velocity.push_back(-std::expm1(-5 * t));  // and with a damper
+  }
+  for (Motion* motion : {&runaway, &ramp, &terminal}) motion->position.assign(600, 0.0);
+  EXPECT_EQ(judge(runaway).outcome, Outcome::diverges);
+  EXPECT_NE(judge(ramp).outcome, Outcome::diverges);
+  EXPECT_NE(judge(ramp).outcome, Outcome::limit_cycle) << "nothing goes round";
+  EXPECT_EQ(judge(terminal).outcome, Outcome::settles);
+  // Any part of a decaying swing that is shorter than a cycle of 250 samples.
+  for (const int count : {60, 100, 150, 200}) {
+    EXPECT_NE(judge(oscillate(4, -10, count)).outcome, Outcome::diverges) << count;
   }
 }
 

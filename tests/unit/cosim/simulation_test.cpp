@@ -241,6 +241,17 @@ TEST(Simulation, goes_on_to_the_end_where_growth_is_slow) {
   EXPECT_EQ(run.classification.outcome, Outcome::diverges);
 }
 
+TEST(Simulation, a_stable_wall_does_not_diverge_in_a_run_too_short_for_its_cycles) {
+  // 300 N/m on P3: a decaying swing of 73 ms. What a sixth of the run does is its phase, not
+  // growth.
+  const Plant plant = build(make_p3());
+  for (int duration_ms = 20; duration_ms <= 300; duration_ms += 20) {
+    const TimeRun run = simulate(plant, {}, VirtualWall{.stiffness = 300}, one_ms,
+                                 run_for(Rational(duration_ms, 1000), 0, 1));
+    EXPECT_NE(run.classification.outcome, Outcome::diverges) << duration_ms << " ms";
+  }
+}
+
 TEST(Simulation, an_engine_that_gives_up_is_a_numerical_error_with_the_time) {
   const Plant plant = build(make_rc_display());
   for (const EngineKind kind : {EngineKind::cvode, EngineKind::odeint}) {
