@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "../physics/device_list.hpp"
+#include "support/device_list.hpp"
 
 // One contract for every engine: whatever moves the plant, the run is the same.
 

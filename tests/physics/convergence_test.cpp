@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "device_list.hpp"
+#include "support/device_list.hpp"
 
 // The integrating engines come to the exact one as their tolerance is made smaller.
 

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "device_list.hpp"
+#include "support/device_list.hpp"
 
 // Delays of any length against a second simulation, written out here: a list of commands with the
 // exact instant at which each takes effect, and the closed form of P3 in between.

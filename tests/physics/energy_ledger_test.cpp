@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "device_list.hpp"
+#include "support/device_list.hpp"
 
 // What the ledger books: it closes for every device and engine, and each entry is what it says.
 

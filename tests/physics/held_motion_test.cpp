@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "device_list.hpp"
+#include "support/device_list.hpp"
 
 // The exact engine against closed forms, at every sample of a run.
 

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "device_list.hpp"
+#include "support/device_list.hpp"
 
 // Time against frequency domain: what a run does and what the loop's exact eigenvalues say.
 

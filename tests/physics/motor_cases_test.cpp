@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "device_list.hpp"
+#include "support/device_list.hpp"
 
 // Cases 15 and 16 of the reference cases: the damping of a shorted motor and of a series RC shunt.
 

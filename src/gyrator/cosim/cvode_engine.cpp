@@ -184,7 +184,7 @@ class CvodeEngine final : public Engine {
     const double* size = N_VGetArrayPointer(y);
     double* w = N_VGetArrayPointer(weights);
     for (Eigen::Index i = 0; i < self.size_; ++i) {
-      w[i] = 1 / (step_tolerance * self.options_.relative_tolerance * std::max(self.sizes_(i), std::abs(size[i])));
+      w[i] = 1 / (self.options_.relative_tolerance * std::max(self.sizes_(i), std::abs(size[i])));
     }
     return 0;
   }

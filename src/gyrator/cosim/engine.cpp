@@ -1,6 +1,9 @@
 #include "gyrator/cosim/engine.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include "gyrator/circuits/state_space.hpp"
 
 namespace gyrator {
 
@@ -46,11 +49,11 @@ void StateScales::update(const Eigen::VectorXd& xi, const Eigen::Vector2d& u, do
     z_.tail(2) = u;
     return z_.dot(plant_.energy.stored * z_);
   };
-  // Nothing has moved yet: what the inputs and the operator's springs will bring at once counts.
-  const double fastest = plant_.A.cwiseAbs().rowwise().sum().maxCoeff();
-  const double start = fastest * interval > 1 ? 1 / fastest : interval;
-  const Eigen::VectorXd next = xi + start * (plant_.A * xi + plant_.B * u);
-  const double energy = energy_ > 0 ? energy_of(xi) : std::max(energy_of(xi), energy_of(next));
+  double energy = energy_of(xi);
+  if (energy_ == 0) {  // nothing has moved yet: what this segment will bring counts
+    const HeldStep step = discretize_held(plant_.A, plant_.B, interval);
+    energy = std::max(energy, energy_of(step.phi * xi + step.gamma * u));
+  }
   if (energy > energy_ || states_.size() == 0) {
     energy_ = energy;
     const Eigen::VectorXd scales = compute_state_scales(plant_, energy > 0 ? energy : 1, u, interval);

@@ -38,10 +38,6 @@ class Engine {
   virtual void advance(int segment, double time, const Eigen::Vector2d& u, PlantState& state) = 0;
 };
 
-/// Integrators hold the error of a step to this part of the relative tolerance: a run's error is the
-/// sum over its steps.
-inline constexpr double step_tolerance = 0.25;
-
 enum class EngineKind { exact, cvode, odeint };
 
 struct EngineOptions {

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "../../physics/device_list.hpp"
+#include "support/device_list.hpp"
 
 namespace gyrator {
 namespace {
