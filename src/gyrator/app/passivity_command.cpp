@@ -96,7 +96,9 @@ std::string describe(const Model& model, const nlohmann::json& result, const Opt
                         worst.is_null() ? "-" : describe_frequency(worst), describe_limit(c["max_stiffness"], units.stiffness));
   }
   std::string notes;
+  const std::string explanation = result["explanation"];
   for (const auto& c : result["criteria"]) {
+    if (explanation.find(c["reason"].get<std::string>()) != std::string::npos) continue;  // said above
     if (!c["applies"].get<bool>() && (options.common.verbose || c["holds"].get<bool>() != passive)) {
       notes += fmt::format("{} does not apply: {}.\n", c["name"].get<std::string>(), c["reason"].get<std::string>());
     }
