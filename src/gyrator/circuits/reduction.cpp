@@ -112,6 +112,7 @@ std::vector<Index> range(Index n) {
     if (std::abs(equation(i)) < 1e-6 * largest) continue;
     const auto& names = descriptor.equation_elements[static_cast<std::size_t>(i)];
     elements.insert(names.begin(), names.end());
+    if (names.empty()) elements.insert(descriptor.unknown_names[static_cast<std::size_t>(i)]);  // a bare node
   }
   throw Error(ErrorCode::numerical, fmt::format("{}", fmt::join(elements, ", ")),
               "singular network: these elements leave an unknown undetermined (a node that floats or is fed "

@@ -52,8 +52,10 @@ std::optional<RowVectorXd> find_held_position(const MatrixXd& A, const MatrixXd&
   const VectorXd columns = equations.colwise().norm().transpose().cwiseMax(1e-300);
   const MatrixXd scaled = equations * columns.cwiseInverse().asDiagonal();
   const Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition(scaled);
-  const VectorXd g = decomposition.solve(wanted);
+  VectorXd g = decomposition.solve(wanted);
   if ((scaled * g - wanted).norm() > 1e-10 * wanted.norm()) return std::nullopt;
+  // States that take no part have been left with rounding: a run from rest would start with it.
+  g = (g.array().abs() < 1e-12 * g.cwiseAbs().maxCoeff()).select(0, g).eval();
   return RowVectorXd((g.array() / columns.array()).transpose());
 }
 
@@ -168,8 +170,13 @@ Plant build_plant(const DeviceNetwork& device) {
 
   plant.sensor_position = append_position(plant, "sensor_position", sensor_velocity,
                                           {&plant.port_velocity, &plant.port_effort, &sensor_velocity});
-  plant.port_position = append_position(plant, "position", plant.port_velocity,
-                                        {&plant.port_velocity, &plant.port_effort, &plant.sensor_position});
+  if (device.collocated) {
+    plant.port_position = plant.sensor_position;
+    plant.port_position.name = "position";
+  } else {
+    plant.port_position = append_position(plant, "position", plant.port_velocity,
+                                          {&plant.port_velocity, &plant.port_effort, &plant.sensor_position});
+  }
 
   // Initial state: the reduced network's at the velocity, appended positions at the position,
   // and springs that hold a position (the operator's) deflected to it.
@@ -179,11 +186,16 @@ Plant build_plant(const DeviceNetwork& device) {
   const MatrixXd positions = (MatrixXd(2, n) << plant.sensor_position.state, plant.port_position.state).finished();
   // The smallest change of the state that gives both positions and leaves velocities alone: the
   // held-position rows have no part in velocity states, so a minimum-norm solution touches none.
-  const Eigen::Vector2d both(1, 1);
-  const auto decomposition = positions.completeOrthogonalDecomposition();
-  const VectorXd at_position = decomposition.solve(both);
-  // Refined once, so that a run starts at exactly the position that was asked for.
-  plant.rest.col(0) = at_position + decomposition.solve(both - positions * at_position);
+  // Exactly so where one row says it all, and refined once where there are two.
+  const double size = positions.row(0).squaredNorm();
+  if (device.collocated) {
+    if (size > 0) plant.rest.col(0) = positions.row(0).transpose() / size;
+  } else {
+    const Eigen::Vector2d both(1, 1);
+    const auto decomposition = positions.completeOrthogonalDecomposition();
+    const VectorXd at_position = decomposition.solve(both);
+    plant.rest.col(0) = at_position + decomposition.solve(both - positions * at_position);
+  }
   return plant;
 }
 
