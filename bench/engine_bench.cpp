@@ -1,14 +1,16 @@
 // Cost of the sampled loop per sample, by engine: one second at 1 kHz, spring wall, no trace.
+#include "gyrator/cosim/simulation.hpp"
+
 #include <benchmark/benchmark.h>
 
-#include "gyrator/cosim/simulation.hpp"
 #include "reference_models.hpp"
 
 namespace {
 
 using namespace gyrator;
 
-void run_loop(benchmark::State& state, EngineKind engine, bool ledger, bool record, const Device& device) {
+void run_loop(benchmark::State& state, EngineKind engine, bool ledger, bool record,
+              const Device& device) {
   const Plant plant = build_plant(build_device_network(device, FreeOperator{}));
   SimulationOptions options;
   options.duration = Rational(1);

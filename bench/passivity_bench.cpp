@@ -1,7 +1,8 @@
 // Cost of a verdict and of a Z-width boundary, inside the process.
+#include "gyrator/passivity/verdict.hpp"
+
 #include <benchmark/benchmark.h>
 
-#include "gyrator/passivity/verdict.hpp"
 #include "reference_models.hpp"
 
 namespace {
@@ -20,15 +21,18 @@ void verdict_with_counterexample(benchmark::State& state) {
 }
 void boundary_of_200_points(benchmark::State& state, Criterion criterion) {
   for (auto _ : state) {
-    StiffnessLimits limits(bench::make_rc_display(), Sampling{}, DifferenceEstimator{}, FreeOperator{});
+    StiffnessLimits limits(bench::make_rc_display(), Sampling{}, DifferenceEstimator{},
+                           FreeOperator{});
     for (int i = 0; i < 200; ++i) benchmark::DoNotOptimize(limits.find(criterion, i * 3e-6));
   }
 }
 
 BENCHMARK(verdict_passive)->Unit(benchmark::kMillisecond);
 BENCHMARK(verdict_with_counterexample)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(boundary_of_200_points, exact_disk, Criterion::exact_disk)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(boundary_of_200_points, coupled, Criterion::coupled)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(boundary_of_200_points, exact_disk, Criterion::exact_disk)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(boundary_of_200_points, coupled, Criterion::coupled)
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 

@@ -1,16 +1,17 @@
 #include "common_options.hpp"
 
+#include "gyrator/core/error.hpp"
+#include "gyrator/core/text.hpp"
+#include "gyrator/documents/output_file.hpp"
+#include "gyrator/plots/plot.hpp"
+#include "gyrator/studies/result_figures.hpp"
+
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 
 #include <fmt/core.h>
 
-#include "gyrator/core/error.hpp"
-#include "gyrator/core/text.hpp"
-#include "gyrator/documents/output_file.hpp"
-#include "gyrator/plots/plot.hpp"
-#include "gyrator/studies/result_figures.hpp"
 #include "usage_errors.hpp"
 
 namespace gyrator::app {
@@ -39,7 +40,9 @@ bool is_same_file(const std::string& a, const std::string& b) {
     if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) return false;
   }
   if (fs::exists(a, ignored) && fs::exists(b, ignored)) return fs::equivalent(a, b, ignored);
-  const auto whole = [&](const std::string& path) { return fs::weakly_canonical(fs::absolute(path), ignored); };
+  const auto whole = [&](const std::string& path) {
+    return fs::weakly_canonical(fs::absolute(path), ignored);
+  };
   return whole(a) == whole(b);
 }
 
@@ -56,7 +59,8 @@ void add_common_options(CLI::App& command, CommonOptions& options, const std::st
   add_file("--csv", options.csv, csv_help);
   add_file("--svg", options.svg, "Draw the result as SVG");
   add_file("--png", options.png, "Draw the result as PNG");
-  command.add_flag("--quiet", options.quiet, "No text and no progress, only files and the exit code");
+  command.add_flag("--quiet", options.quiet,
+                   "No text and no progress, only files and the exit code");
   command.add_flag("--verbose", options.verbose, "More detail");
   command.footer("Example:\n  " + example);
 }
@@ -68,8 +72,10 @@ void check_outputs(const CommonOptions& options) {
   if (!options.png.empty() && !options.png.ends_with(".png")) {
     throw Error(ErrorCode::bad_input, "--png", options.png + ": the name must end in .png");
   }
-  check_files({{"the model", options.model}},
-              {{"--output", options.output}, {"--csv", options.csv}, {"--svg", options.svg}, {"--png", options.png}});
+  check_files({{"the model", options.model}}, {{"--output", options.output},
+                                               {"--csv", options.csv},
+                                               {"--svg", options.svg},
+                                               {"--png", options.png}});
 }
 
 void check_files(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& outputs) {
@@ -79,7 +85,8 @@ void check_files(const std::vector<NamedFile>& inputs, const std::vector<NamedFi
     for (const auto& other : taken) {
       if (!is_same_file(output.path, other.path)) continue;
       throw Error(ErrorCode::bad_input, output.name,
-                  fmt::format("'{}': would overwrite {}: give it a name of its own", output.path, other.name));
+                  fmt::format("'{}': would overwrite {}: give it a name of its own", output.path,
+                              other.name));
     }
     taken.push_back(output);
   }
@@ -106,10 +113,12 @@ void deliver(const CommonOptions& options, nlohmann::json result, const std::str
 
 std::string describe_frequency(double hz) {
   if (hz < 1e-3) return "-> 0 Hz";
-  return format_quantity(std::strtod(fmt::format("{:.4g}", hz).c_str(), nullptr), dimension::frequency);
+  return format_quantity(std::strtod(fmt::format("{:.4g}", hz).c_str(), nullptr),
+                         dimension::frequency);
 }
 
-std::vector<double> parse_list(const std::string& option, const std::string& text, const Unit& unit) {
+std::vector<double> parse_list(const std::string& option, const std::string& text,
+                               const Unit& unit) {
   std::vector<double> values;
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t comma = std::min(text.find(',', at), text.size());
@@ -128,7 +137,8 @@ Rational parse_option_time(const std::string& option, const std::string& text) {
   if (time <= Rational(0)) {
     const auto number = find_decimal(text);
     const bool is_bare = number && number->length == text.size();
-    throw Error(ErrorCode::bad_input, option, fmt::format("{}{}: must be longer than 0 s", text, is_bare ? " s" : ""));
+    throw Error(ErrorCode::bad_input, option,
+                fmt::format("{}{}: must be longer than 0 s", text, is_bare ? " s" : ""));
   }
   return time;
 }

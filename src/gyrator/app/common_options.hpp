@@ -1,13 +1,13 @@
 #pragma once
 
+#include "gyrator/core/quantity.hpp"
+#include "gyrator/core/rational.hpp"
+
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
-
-#include "gyrator/core/quantity.hpp"
-#include "gyrator/core/rational.hpp"
 
 namespace gyrator::app {
 
@@ -20,7 +20,8 @@ struct CommonOptions {
   bool verbose = false;
 };
 
-/// Adds MODEL and the common options. `csv_help` says what the CSV file holds, `example` ends --help.
+/// Adds MODEL and the common options. `csv_help` says what the CSV file holds, `example` ends
+/// --help.
 void add_common_options(CLI::App& command, CommonOptions& options, const std::string& csv_help,
                         const std::string& example);
 
@@ -42,7 +43,8 @@ void deliver(const CommonOptions& options, nlohmann::json result, const std::str
 std::string describe_frequency(double hz);
 
 /// "1, 10, 2 kHz" as numbers in the expected unit; bare numbers are SI. Errors name the option.
-std::vector<double> parse_list(const std::string& option, const std::string& text, const Unit& unit);
+std::vector<double> parse_list(const std::string& option, const std::string& text,
+                               const Unit& unit);
 double parse_option(const std::string& option, const std::string& text, const Unit& unit);
 Rational parse_option_time(const std::string& option, const std::string& text);
 

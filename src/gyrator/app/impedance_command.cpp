@@ -1,3 +1,8 @@
+#include "gyrator/core/error.hpp"
+#include "gyrator/documents/csv.hpp"
+#include "gyrator/studies/model_format.hpp"
+#include "gyrator/studies/results.hpp"
+
 #include <cmath>
 #include <complex>
 #include <memory>
@@ -7,10 +12,6 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "gyrator/core/error.hpp"
-#include "gyrator/documents/csv.hpp"
-#include "gyrator/studies/model_format.hpp"
-#include "gyrator/studies/results.hpp"
 #include "usage_errors.hpp"
 
 namespace gyrator::app {
@@ -28,26 +29,32 @@ std::vector<double> choose_frequencies(const Options& options) {
   if (!options.frequencies.empty()) {
     frequency = parse_list("--frequency", options.frequencies, dimension::frequency);
     for (const double f : frequency) {
-      if (!(f > 0)) throw Error(ErrorCode::bad_input, "--frequency", fmt::format("{:g} Hz: must be above 0 Hz", f));
+      if (!(f > 0))
+        throw Error(ErrorCode::bad_input, "--frequency",
+                    fmt::format("{:g} Hz: must be above 0 Hz", f));
     }
     return frequency;
   }
   const double from = parse_option("--from", options.from, dimension::frequency);
   const double to = parse_option("--to", options.to, dimension::frequency);
-  if (!(from > 0)) throw Error(ErrorCode::bad_input, "--from", fmt::format("{:g} Hz: must be above 0 Hz", from));
+  if (!(from > 0))
+    throw Error(ErrorCode::bad_input, "--from", fmt::format("{:g} Hz: must be above 0 Hz", from));
   if (!(to > from)) {
-    throw Error(ErrorCode::bad_input, "--to", fmt::format("{:g} Hz: must be above --from, {:g} Hz", to, from));
+    throw Error(ErrorCode::bad_input, "--to",
+                fmt::format("{:g} Hz: must be above --from, {:g} Hz", to, from));
   }
   for (int i = 0; i < options.points; ++i) {
-    frequency.push_back(from * std::pow(to / from, static_cast<double>(i) / std::max(1, options.points - 1)));
+    frequency.push_back(
+        from * std::pow(to / from, static_cast<double>(i) / std::max(1, options.points - 1)));
   }
   return frequency;
 }
 
 std::string describe(const Model& model, const nlohmann::json& result, bool verbose) {
   const MotionUnits& units = units_of(model.device.motion);
-  std::string text = fmt::format("{}: impedance at the operator port\n\n{:>12}  {:>12}  {:>12}  {:>12}  {:>9}  {:>9}\n",
-                                 model.name, "frequency", "|Z|", "Re Z", "Im Z", "|A|", "phase A");
+  std::string text = fmt::format(
+      "{}: impedance at the operator port\n\n{:>12}  {:>12}  {:>12}  {:>12}  {:>9}  {:>9}\n",
+      model.name, "frequency", "|Z|", "Re Z", "Im Z", "|A|", "phase A");
   text += fmt::format("{:>12}  {:>12}  {:>12}  {:>12}  {:>9}  {:>9}\n", "Hz", units.damping.symbol,
                       units.damping.symbol, units.damping.symbol, "1", "deg");
   const auto& frequency = result["frequency_hz"];
@@ -58,12 +65,15 @@ std::string describe(const Model& model, const nlohmann::json& result, bool verb
     const std::complex<double> a(result["actuation_real"][i], result["actuation_imag"][i]);
     const double phase = std::round(std::arg(a) * 180e3 / std::numbers::pi) / 1e3;
     // Adding zero turns -0 into 0.
-    text += fmt::format("{:12.5g}  {:12.5g}  {:12.5g}  {:12.5g}  {:9.4g}  {:9.3f}\n", frequency[i].get<double>(),
-                        std::abs(z), z.real() + 0.0, z.imag() + 0.0, std::abs(a), phase + 0.0);
+    text += fmt::format("{:12.5g}  {:12.5g}  {:12.5g}  {:12.5g}  {:9.4g}  {:9.3f}\n",
+                        frequency[i].get<double>(), std::abs(z), z.real() + 0.0, z.imag() + 0.0,
+                        std::abs(a), phase + 0.0);
   }
   if (stride > 1) {
-    text += fmt::format("\n{} frequencies computed; --verbose, --csv or --json gives them all, --png or --svg a plot.\n",
-                        frequency.size());
+    text += fmt::format(
+        "\n{} frequencies computed; --verbose, --csv or --json gives them all, --png or --svg a "
+        "plot.\n",
+        frequency.size());
   }
   return text;
 }
@@ -73,8 +83,8 @@ void run(const Options& options) {
   const Model model = load_model(options.common.model);
   const nlohmann::json result = make_impedance_result(model, choose_frequencies(options));
   if (!options.common.csv.empty()) {
-    const std::vector<std::string> names{"frequency_hz", "impedance_real", "impedance_imag", "actuation_real",
-                                         "actuation_imag"};
+    const std::vector<std::string> names{"frequency_hz", "impedance_real", "impedance_imag",
+                                         "actuation_real", "actuation_imag"};
     std::vector<std::vector<double>> columns;
     for (const auto& name : names) columns.push_back(result[name]);
     write_csv(options.common.csv, names, columns);
@@ -86,17 +96,23 @@ void run(const Options& options) {
 
 void add_impedance_command(CLI::App& app, int&) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "impedance", "Impedance Z at the operator port, its damping Re Z, and the actuation path A, over frequency");
-  add_common_options(*command, options->common, "Write frequency, Z and A as columns",
-                     "gyrator impedance examples/rc_display.json --from 0.1 --to 10kHz --png z.png");
-  auto* list = command->add_option("--frequency", options->frequencies, "Frequencies, such as 1,10,2kHz (Hz)")
-                   ->type_name("LIST")
-                   ->check(not_empty());
+  CLI::App* command = app.add_subcommand("impedance",
+                                         "Impedance Z at the operator port, its damping Re Z, and "
+                                         "the actuation path A, over frequency");
+  add_common_options(
+      *command, options->common, "Write frequency, Z and A as columns",
+      "gyrator impedance examples/rc_display.json --from 0.1 --to 10kHz --png z.png");
+  auto* list =
+      command
+          ->add_option("--frequency", options->frequencies, "Frequencies, such as 1,10,2kHz (Hz)")
+          ->type_name("LIST")
+          ->check(not_empty());
   command->add_option("--from", options->from, "Lowest frequency of a logarithmic sweep (Hz)")
       ->capture_default_str()
       ->excludes(list);
-  command->add_option("--to", options->to, "Highest frequency (Hz)")->capture_default_str()->excludes(list);
+  command->add_option("--to", options->to, "Highest frequency (Hz)")
+      ->capture_default_str()
+      ->excludes(list);
   command->add_option("--points", options->points, "Number of frequencies")
       ->capture_default_str()
       ->check(whole_number_between(2, 1000000));

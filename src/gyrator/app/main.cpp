@@ -1,5 +1,9 @@
 // gyrator: argv in, exit code out. The commands are one file each beside this one.
 
+#include "gyrator/core/error.hpp"
+#include "gyrator/core/interrupt.hpp"
+#include "gyrator/version.hpp"
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -10,9 +14,6 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "gyrator/core/error.hpp"
-#include "gyrator/core/interrupt.hpp"
-#include "gyrator/version.hpp"
 #include "usage_errors.hpp"
 
 namespace {
@@ -22,12 +23,14 @@ constexpr int internal_error = 3;
 
 int run(int argc, char** argv) {
   int exit_code = 0;
-  CLI::App app("gyrator: co-simulation, passivity and analog damping of haptic displays and motor drives");
+  CLI::App app(
+      "gyrator: co-simulation, passivity and analog damping of haptic displays and motor drives");
   app.set_version_flag("--version", fmt::format("gyrator {}", gyrator::version));
   app.require_subcommand(1);
-  app.footer("A model file describes motor, amplifier, damping circuit, mechanics and controller.\n"
-             "Example:\n  gyrator passivity examples/rc_display.json\n\n"
-             "Exit codes: 0 done, 1 the answer is no, 2 bad input, 3 numerical failure, 130 interrupted.");
+  app.footer(
+      "A model file describes motor, amplifier, damping circuit, mechanics and controller.\n"
+      "Example:\n  gyrator passivity examples/rc_display.json\n\n"
+      "Exit codes: 0 done, 1 the answer is no, 2 bad input, 3 numerical failure, 130 interrupted.");
   gyrator::app::add_impedance_command(app, exit_code);
   gyrator::app::add_passivity_command(app, exit_code);
   gyrator::app::add_zwidth_command(app, exit_code);
@@ -49,7 +52,8 @@ int finish_stdout(int exit_code) {
   errno = 0;
   const bool failed = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
   if (!failed) return exit_code;
-  std::fprintf(stderr, "gyrator: stdout: cannot be written: %s\n", std::strerror(errno != 0 ? errno : EIO));
+  std::fprintf(stderr, "gyrator: stdout: cannot be written: %s\n",
+               std::strerror(errno != 0 ? errno : EIO));
   return usage_error;
 }
 
@@ -64,7 +68,8 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "gyrator: %s\n", error.what());
     return static_cast<int>(error.code());
   } catch (const std::system_error& error) {  // what printing to a full stdout throws
-    std::fprintf(stderr, "gyrator: stdout: cannot be written: %s\n", error.code().message().c_str());
+    std::fprintf(stderr, "gyrator: stdout: cannot be written: %s\n",
+                 error.code().message().c_str());
     return usage_error;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "gyrator: internal error: %s\n", error.what());

@@ -1,3 +1,7 @@
+#include "gyrator/documents/csv.hpp"
+#include "gyrator/studies/model_format.hpp"
+#include "gyrator/studies/results.hpp"
+
 #include <cmath>
 #include <memory>
 
@@ -5,9 +9,6 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "gyrator/documents/csv.hpp"
-#include "gyrator/studies/model_format.hpp"
-#include "gyrator/studies/results.hpp"
 
 namespace gyrator::app {
 namespace {
@@ -28,7 +29,8 @@ std::string describe_reason(std::string explanation) {
   constexpr std::string_view verdict = "Not passive: ";
   if (!explanation.starts_with(verdict)) return explanation;
   explanation.erase(0, verdict.size());
-  if (!explanation.empty() && explanation[0] >= 'a' && explanation[0] <= 'z') explanation[0] += 'A' - 'a';
+  if (!explanation.empty() && explanation[0] >= 'a' && explanation[0] <= 'z')
+    explanation[0] += 'A' - 'a';
   return explanation;
 }
 
@@ -37,11 +39,14 @@ std::string describe_operator(const nlohmann::json& found, const MotionUnits& un
   const auto add = [&](const std::string& part) { parts += (parts.empty() ? "" : " and ") + part; };
   if (found["inertia"] > 0) {
     add(fmt::format("{}{} of {}", found["stiffness"] > 0 ? "an " : "a plain ",
-                    units.inertia == dimension::mass ? "mass" : "inertia", format_quantity(found["inertia"], units.inertia)));
+                    units.inertia == dimension::mass ? "mass" : "inertia",
+                    format_quantity(found["inertia"], units.inertia)));
   }
-  if (found["stiffness"] > 0) add(fmt::format("a spring of {}", format_quantity(found["stiffness"], units.stiffness)));
+  if (found["stiffness"] > 0)
+    add(fmt::format("a spring of {}", format_quantity(found["stiffness"], units.stiffness)));
   for (const auto& resonator : found["resonators"]) {
-    add(fmt::format("{} hung on a spring of {}", format_quantity(resonator["inertia"], units.inertia),
+    add(fmt::format("{} hung on a spring of {}",
+                    format_quantity(resonator["inertia"], units.inertia),
                     format_quantity(resonator["stiffness"], units.stiffness)));
   }
   return parts;
@@ -49,14 +54,16 @@ std::string describe_operator(const nlohmann::json& found, const MotionUnits& un
 
 std::string describe_counterexample(const nlohmann::json& found, const MotionUnits& units) {
   const std::string held = describe_operator(found, units);
-  std::string text = held.empty() ? "the free device itself diverges, with nothing in the operator's hand"
-                                  : held + " in the operator's hand makes the loop diverge";
+  std::string text = held.empty()
+                         ? "the free device itself diverges, with nothing in the operator's hand"
+                         : held + " in the operator's hand makes the loop diverge";
   text += fmt::format("\n(spectral radius {:.8g}, {}).", found["spectral_radius"].get<double>(),
                       describe_frequency(found["frequency_hz"]));
   if (found.contains("simulation")) {
     const auto& run = found["simulation"];
-    text += fmt::format(" Simulated for {}: {}.", format_quantity(run["duration_s"], dimension::time),
-                        run["classification"].get<std::string>());
+    text +=
+        fmt::format(" Simulated for {}: {}.", format_quantity(run["duration_s"], dimension::time),
+                    run["classification"].get<std::string>());
   }
   return "\nCounterexample: " + text + "\n";
 }
@@ -69,10 +76,12 @@ std::string describe_fruitless_search(const Model& model, const nlohmann::json& 
     const auto& worst = c["worst_frequency_hz"];
     if (c["name"] == "exact_disk" && !worst.is_null()) near_nyquist = worst > nyquist_hz / 2;
   }
-  return fmt::format("\nNo single lossless operator was found that breaks the loop (the search is not exhaustive: {});\n"
-                     "the verdict stands on the disk.\n",
-                     near_nyquist ? "close to the\nNyquist frequency only a razor-thin resonance would"
-                                  : "only an\noperator of extreme size would");
+  return fmt::format(
+      "\nNo single lossless operator was found that breaks the loop (the search is not exhaustive: "
+      "{});\n"
+      "the verdict stands on the disk.\n",
+      near_nyquist ? "close to the\nNyquist frequency only a razor-thin resonance would"
+                   : "only an\noperator of extreme size would");
 }
 
 std::string describe(const Model& model, const nlohmann::json& result, const Options& options) {
@@ -81,26 +90,32 @@ std::string describe(const Model& model, const nlohmann::json& result, const Opt
   std::string text = fmt::format("{}: {}\n{}\n", model.name, passive ? "PASSIVE" : "NOT PASSIVE",
                                  describe_reason(result["explanation"]));
   if (result.contains("stiffness")) {
-    text += fmt::format("\nwall: K = {}, B = {}, T = {}, delay = {}\n", format_quantity(result["stiffness"], units.stiffness),
+    text += fmt::format("\nwall: K = {}, B = {}, T = {}, delay = {}\n",
+                        format_quantity(result["stiffness"], units.stiffness),
                         format_quantity(result["virtual_damping"], units.damping),
                         format_quantity(model.sampling.period.to_double(), dimension::time),
                         format_quantity(model.sampling.delay.to_double(), dimension::time));
   }
-  text += fmt::format("\n{:<20} {:<8} {:<6} {:>20} {:>12}  {}\n", "criterion", "applies", "holds", "margin", "worst at",
-                      "largest K");
+  text += fmt::format("\n{:<20} {:<8} {:<6} {:>20} {:>12}  {}\n", "criterion", "applies", "holds",
+                      "margin", "worst at", "largest K");
   for (const auto& c : result["criteria"]) {
     const auto& worst = c["worst_frequency_hz"];
-    text += fmt::format("{:<20} {:<8} {:<6} {:>20} {:>12}  {}\n", c["name"].get<std::string>(),
-                        c["applies"].get<bool>() ? "yes" : "no", c["holds"].get<bool>() ? "yes" : "no",
-                        c["margin"].is_null() ? "-" : format_quantity(c["margin"], units.damping),
-                        worst.is_null() ? "-" : describe_frequency(worst), describe_limit(c["max_stiffness"], units.stiffness));
+    text +=
+        fmt::format("{:<20} {:<8} {:<6} {:>20} {:>12}  {}\n", c["name"].get<std::string>(),
+                    c["applies"].get<bool>() ? "yes" : "no", c["holds"].get<bool>() ? "yes" : "no",
+                    c["margin"].is_null() ? "-" : format_quantity(c["margin"], units.damping),
+                    worst.is_null() ? "-" : describe_frequency(worst),
+                    describe_limit(c["max_stiffness"], units.stiffness));
   }
   std::string notes;
   const std::string explanation = result["explanation"];
   for (const auto& c : result["criteria"]) {
-    if (explanation.find(c["reason"].get<std::string>()) != std::string::npos) continue;  // said above
-    if (!c["applies"].get<bool>() && (options.common.verbose || c["holds"].get<bool>() != passive)) {
-      notes += fmt::format("{} does not apply: {}.\n", c["name"].get<std::string>(), c["reason"].get<std::string>());
+    if (explanation.find(c["reason"].get<std::string>()) != std::string::npos)
+      continue;  // said above
+    if (!c["applies"].get<bool>() &&
+        (options.common.verbose || c["holds"].get<bool>() != passive)) {
+      notes += fmt::format("{} does not apply: {}.\n", c["name"].get<std::string>(),
+                           c["reason"].get<std::string>());
     }
   }
   if (!notes.empty()) text += "\n" + notes;
@@ -140,13 +155,17 @@ void run(const Options& options, int& exit_code) {
 
 void add_passivity_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "passivity", "Is the loop stable with every passive hand? Verdict, margins, and an operator that breaks it");
-  add_common_options(*command, options->common, "Write damping over frequency as columns",
-                     "gyrator passivity examples/rc_display.json --simulate-counterexample --png verdict.png\n\n"
-                     "Exit code 0: passive. 1: not passive.");
-  command->add_flag("--simulate-counterexample", options->simulate, "Also simulate the loop with that operator");
-  command->add_flag("--no-counterexample", options->no_counterexample, "Do not search for an operator");
+  CLI::App* command = app.add_subcommand("passivity",
+                                         "Is the loop stable with every passive hand? Verdict, "
+                                         "margins, and an operator that breaks it");
+  add_common_options(
+      *command, options->common, "Write damping over frequency as columns",
+      "gyrator passivity examples/rc_display.json --simulate-counterexample --png verdict.png\n\n"
+      "Exit code 0: passive. 1: not passive.");
+  command->add_flag("--simulate-counterexample", options->simulate,
+                    "Also simulate the loop with that operator");
+  command->add_flag("--no-counterexample", options->no_counterexample,
+                    "Do not search for an operator");
   command->callback([options, &exit_code] { run(*options, exit_code); });
 }
 

@@ -1,3 +1,9 @@
+#include "gyrator/core/error.hpp"
+#include "gyrator/documents/json_text.hpp"
+#include "gyrator/plots/plot.hpp"
+#include "gyrator/studies/report.hpp"
+#include "gyrator/studies/result_figures.hpp"
+
 #include <memory>
 #include <string>
 #include <vector>
@@ -6,11 +12,6 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "gyrator/core/error.hpp"
-#include "gyrator/documents/json_text.hpp"
-#include "gyrator/plots/plot.hpp"
-#include "gyrator/studies/report.hpp"
-#include "gyrator/studies/result_figures.hpp"
 #include "usage_errors.hpp"
 
 namespace gyrator::app {
@@ -26,19 +27,23 @@ struct Options {
 nlohmann::json load_result(const std::string& path) {
   nlohmann::json result = load_json_file(path);
   if (!result.is_object() || !result.contains("command")) {
-    throw Error(ErrorCode::bad_input, path,
-                "is not a result: write one with -o, such as `gyrator passivity MODEL -o passivity.json`");
+    throw Error(
+        ErrorCode::bad_input, path,
+        "is not a result: write one with -o, such as `gyrator passivity MODEL -o passivity.json`");
   }
   if (!result["command"].is_string()) {
     throw Error(ErrorCode::bad_input, path + ": /command",
-                fmt::format("found {}: the name of a command is expected, such as \"passivity\"", result["command"].dump()));
+                fmt::format("found {}: the name of a command is expected, such as \"passivity\"",
+                            result["command"].dump()));
   }
   return result;
 }
 
 void check_outputs(const Options& options) {
-  if (!options.finding.empty() && !options.finding.ends_with(".svg") && !options.finding.ends_with(".png")) {
-    throw Error(ErrorCode::bad_input, "--finding", options.finding + ": the name must end in .svg or .png");
+  if (!options.finding.empty() && !options.finding.ends_with(".svg") &&
+      !options.finding.ends_with(".png")) {
+    throw Error(ErrorCode::bad_input, "--finding",
+                options.finding + ": the name must end in .svg or .png");
   }
   std::vector<NamedFile> inputs;
   for (const auto& path : options.results) inputs.push_back({"the result " + path, path});
@@ -64,18 +69,24 @@ void run(const Options& options) {
 
 void add_report_command(CLI::App& app, int&) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("report", "One self-contained HTML page from results that were kept with -o");
-  command->add_option("RESULT", options->results, "Result files (JSON)")->required()->check(not_empty());
+  CLI::App* command = app.add_subcommand(
+      "report", "One self-contained HTML page from results that were kept with -o");
+  command->add_option("RESULT", options->results, "Result files (JSON)")
+      ->required()
+      ->check(not_empty());
   command->add_option("-o,--output", options->output, "The page to write")
       ->capture_default_str()
       ->type_name("FILE")
       ->check(not_empty());
-  command->add_option("--finding", options->finding, "Also draw textbook against exact limit as SVG or PNG")
+  command
+      ->add_option("--finding", options->finding,
+                   "Also draw textbook against exact limit as SVG or PNG")
       ->type_name("FILE")
       ->check(not_empty());
   command->add_flag("--quiet", options->quiet, "Print nothing");
   command->footer(
-      "Example:\n  gyrator passivity model.json -o passivity.json; gyrator report passivity.json -o report.html");
+      "Example:\n  gyrator passivity model.json -o passivity.json; gyrator report passivity.json "
+      "-o report.html");
   command->callback([options] { run(*options); });
 }
 

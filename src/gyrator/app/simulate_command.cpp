@@ -1,14 +1,15 @@
+#include "gyrator/core/error.hpp"
+#include "gyrator/core/text.hpp"
+#include "gyrator/documents/csv.hpp"
+#include "gyrator/studies/model_format.hpp"
+#include "gyrator/studies/results.hpp"
+
 #include <memory>
 
 #include <fmt/core.h>
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "gyrator/core/error.hpp"
-#include "gyrator/core/text.hpp"
-#include "gyrator/documents/csv.hpp"
-#include "gyrator/studies/model_format.hpp"
-#include "gyrator/studies/results.hpp"
 #include "usage_errors.hpp"
 
 namespace gyrator::app {
@@ -26,14 +27,16 @@ EngineKind parse_engine(const std::string& name) {
   if (name == "exact") return EngineKind::exact;
   if (name == "cvode") return EngineKind::cvode;
   if (name == "odeint") return EngineKind::odeint;
-  throw Error(ErrorCode::bad_input, "--engine", describe_unknown_name("engine", name, {"exact", "cvode", "odeint"}));
+  throw Error(ErrorCode::bad_input, "--engine",
+              describe_unknown_name("engine", name, {"exact", "cvode", "odeint"}));
 }
 
 std::string describe_outcome(const nlohmann::json& result, const MotionUnits& units) {
   const std::string outcome = result["classification"];
   if (outcome == "settles") return "settles";
   if (outcome == "diverges") {
-    return result["stopped_early"].get<bool>() ? "diverges (stopped: grew beyond all bounds)" : "diverges";
+    return result["stopped_early"].get<bool>() ? "diverges (stopped: grew beyond all bounds)"
+                                               : "diverges";
   }
   return fmt::format("oscillates on (limit cycle) at {}, amplitude {}",
                      describe_frequency(result["oscillation"]["frequency_hz"]),
@@ -43,10 +46,13 @@ std::string describe_outcome(const nlohmann::json& result, const MotionUnits& un
 std::string describe(const Model& model, const nlohmann::json& result, bool verbose) {
   const MotionUnits& units = units_of(model.device.motion);
   const auto& e = result["energy"];
-  std::string text = fmt::format("{}: {}\n{} samples, {:g} s, engine {}\n\nenergy ledger [J]\n", model.name,
-                                 describe_outcome(result, units), result["steps"].get<long>(),
-                                 result["final_time_s"].get<double>(), result["engine"].get<std::string>());
-  const auto row = [&](const char* name, double value) { text += fmt::format("  {:<34}{:>14.6g}\n", name, value); };
+  std::string text =
+      fmt::format("{}: {}\n{} samples, {:g} s, engine {}\n\nenergy ledger [J]\n", model.name,
+                  describe_outcome(result, units), result["steps"].get<long>(),
+                  result["final_time_s"].get<double>(), result["engine"].get<std::string>());
+  const auto row = [&](const char* name, double value) {
+    text += fmt::format("  {:<34}{:>14.6g}\n", name, value);
+  };
   row("stored at the start", e["stored_initially"]);
   row("+ done by the operator", e["operator"]);
   row("+ delivered by the amplifier", e["source"]);
@@ -55,10 +61,11 @@ std::string describe(const Model& model, const nlohmann::json& result, bool verb
   row("not accounted for (residual)", e["residual"]);
   if (verbose) {
     const auto& oscillation = result["oscillation"];
-    text += fmt::format("\nmotion in the last third\n  growth of the oscillation {:.6g} (above 1 it grows)\n"
-                        "  frequency {}, amplitude {}\n",
-                        result["growth"].get<double>(), describe_frequency(oscillation["frequency_hz"]),
-                        format_quantity(oscillation["amplitude"], units.position));
+    text += fmt::format(
+        "\nmotion in the last third\n  growth of the oscillation {:.6g} (above 1 it grows)\n"
+        "  frequency {}, amplitude {}\n",
+        result["growth"].get<double>(), describe_frequency(oscillation["frequency_hz"]),
+        format_quantity(oscillation["amplitude"], units.position));
   }
   return text;
 }
@@ -69,12 +76,15 @@ void run(const Options& options) {
   request.engine = parse_engine(options.engine);
   request.engine_options.relative_tolerance = options.tolerance;
   request.engine_options.max_steps = options.max_steps;
-  if (!options.duration.empty()) request.duration = parse_option_time("--duration", options.duration);
-  if (!options.trace_step.empty()) request.trace_step = parse_option_time("--trace-step", options.trace_step);
+  if (!options.duration.empty())
+    request.duration = parse_option_time("--duration", options.duration);
+  if (!options.trace_step.empty())
+    request.trace_step = parse_option_time("--trace-step", options.trace_step);
   request.quiet = options.common.quiet;
   const Model model = load_model(options.common.model);
   const TimeRun simulated = run_simulation(model, request);
-  if (!options.common.csv.empty()) write_csv(options.common.csv, simulated.trace.names, simulated.trace.columns);
+  if (!options.common.csv.empty())
+    write_csv(options.common.csv, simulated.trace.names, simulated.trace.columns);
   const nlohmann::json result = make_simulation_result(model, request, simulated);
   deliver(options.common, result, describe(model, result, options.common.verbose));
 }
@@ -83,21 +93,27 @@ void run(const Options& options) {
 
 void add_simulate_command(CLI::App& app, int&) {
   auto options = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("simulate", "The motion: plant, sample and hold, controller; traces and energy ledger");
+  CLI::App* command = app.add_subcommand(
+      "simulate", "The motion: plant, sample and hold, controller; traces and energy ledger");
   add_common_options(*command, options->common, "Write the trace, one row per sample instant",
                      "gyrator simulate examples/rc_display.json --csv trace.csv --png trace.png");
-  command->add_option("--engine", options->engine, "exact (matrix exponentials), cvode (reference) or odeint")
+  command
+      ->add_option("--engine", options->engine,
+                   "exact (matrix exponentials), cvode (reference) or odeint")
       ->capture_default_str()
       ->type_name("NAME");
-  command->add_option("--duration", options->duration, "Simulated time instead of the model's")->type_name("TIME")->check(not_empty());
+  command->add_option("--duration", options->duration, "Simulated time instead of the model's")
+      ->type_name("TIME")
+      ->check(not_empty());
   command->add_option("--trace-step", options->trace_step, "Also trace in between, such as 10us")
       ->type_name("TIME")
       ->check(not_empty());
   command->add_option("--tolerance", options->tolerance, "Relative tolerance of cvode and odeint")
       ->capture_default_str()
       ->check(number_between(1e-14, 1e-2));
-  command->add_option("--max-steps", options->max_steps, "Most integrator steps between two samples (cvode, odeint)")
+  command
+      ->add_option("--max-steps", options->max_steps,
+                   "Most integrator steps between two samples (cvode, odeint)")
       ->capture_default_str()
       ->check(whole_number_between(1, 1000000000));
   command->callback([options] { run(*options); });

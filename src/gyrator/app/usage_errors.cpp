@@ -1,5 +1,7 @@
 #include "usage_errors.hpp"
 
+#include "gyrator/core/text.hpp"
+
 #include <algorithm>
 #include <charconv>
 #include <optional>
@@ -7,8 +9,6 @@
 #include <vector>
 
 #include <fmt/core.h>
-
-#include "gyrator/core/text.hpp"
 
 namespace gyrator::app {
 namespace {
@@ -30,7 +30,9 @@ std::vector<std::string> list_options(const CLI::App& command) {
   return names;
 }
 
-bool is_option(const std::string& word) { return word.size() > 1 && word.front() == '-'; }
+bool is_option(const std::string& word) {
+  return word.size() > 1 && word.front() == '-';
+}
 
 std::string describe_unknown_option(const CLI::App& command, const std::string& word) {
   return describe_unknown_name("option", word.substr(0, word.find('=')), list_options(command));
@@ -87,21 +89,26 @@ std::string describe_usage_error(const CLI::App& app, const CLI::ParseError& err
   const CLI::App& command = *chosen.front();
   const std::string help = fmt::format(" (`gyrator {} --help` describes it)", command.get_name());
   if (!words.empty()) {
-    return fmt::format("'{}' stands before the command: write gyrator {} {}{}", words.front(), command.get_name(),
-                       words.front(), help);
+    return fmt::format("'{}' stands before the command: write gyrator {} {}{}", words.front(),
+                       command.get_name(), words.front(), help);
   }
   const auto left = command.remaining();
   const auto option = std::find_if(left.begin(), left.end(), is_option);
   if (option != left.end()) {
-    return fmt::format("{}: {}{}", command.get_name(), describe_unknown_option(command, *option), help);
+    return fmt::format("{}: {}{}", command.get_name(), describe_unknown_option(command, *option),
+                       help);
   }
-  if (!left.empty()) return fmt::format("{}: '{}' is one argument too many{}", command.get_name(), left.front(), help);
+  if (!left.empty())
+    return fmt::format("{}: '{}' is one argument too many{}", command.get_name(), left.front(),
+                       help);
   return fmt::format("{}: {}{}", command.get_name(), describe_parse_error(error), help);
 }
 
 CLI::Validator not_empty() {
-  return {[](const std::string& text) { return text.empty() ? std::string("the value is empty") : std::string(); }, "",
-          ""};
+  return {[](const std::string& text) {
+            return text.empty() ? std::string("the value is empty") : std::string();
+          },
+          "", ""};
 }
 
 CLI::Validator whole_number_between(long low, long high) {

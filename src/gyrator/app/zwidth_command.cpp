@@ -1,3 +1,9 @@
+#include "gyrator/core/error.hpp"
+#include "gyrator/core/text.hpp"
+#include "gyrator/documents/csv.hpp"
+#include "gyrator/studies/model_format.hpp"
+#include "gyrator/studies/results.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -6,11 +12,6 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "gyrator/core/error.hpp"
-#include "gyrator/core/text.hpp"
-#include "gyrator/documents/csv.hpp"
-#include "gyrator/studies/model_format.hpp"
-#include "gyrator/studies/results.hpp"
 #include "usage_errors.hpp"
 
 namespace gyrator::app {
@@ -33,9 +34,11 @@ std::vector<Criterion> parse_criteria(const std::string& text) {
     at = comma + 1;
     const auto found = std::find(known.begin(), known.end(), name);
     if (found == known.end()) {
-      throw Error(ErrorCode::bad_input, "--criterion", describe_unknown_name("criterion", name, known));
+      throw Error(ErrorCode::bad_input, "--criterion",
+                  describe_unknown_name("criterion", name, known));
     }
-    const Criterion criterion = criterion_names()[static_cast<std::size_t>(found - known.begin())].criterion;
+    const Criterion criterion =
+        criterion_names()[static_cast<std::size_t>(found - known.begin())].criterion;
     const bool is_new = std::find(criteria.begin(), criteria.end(), criterion) == criteria.end();
     if (is_new) criteria.push_back(criterion);
   }
@@ -46,36 +49,47 @@ std::vector<double> choose_damping(const Options& options, const Model& model) {
   const Unit& unit = units_of(model.device.motion).damping;
   if (!options.damping.empty()) return parse_list("--damping", options.damping, unit);
   if (options.from.empty() != options.to.empty()) {
-    throw Error(ErrorCode::bad_input, options.from.empty() ? "--to" : "--from", "--from and --to go together");
+    throw Error(ErrorCode::bad_input, options.from.empty() ? "--to" : "--from",
+                "--from and --to go together");
   }
   if (options.from.empty()) return choose_damping_range(model, options.points);
   const double from = parse_option("--from", options.from, unit);
   const double to = parse_option("--to", options.to, unit);
-  if (!(to > from)) throw Error(ErrorCode::bad_input, "--to", fmt::format("{:g}: must be above --from, {:g}", to, from));
+  if (!(to > from))
+    throw Error(ErrorCode::bad_input, "--to",
+                fmt::format("{:g}: must be above --from, {:g}", to, from));
   std::vector<double> damping;
-  for (int i = 0; i < options.points; ++i) damping.push_back(from + (to - from) * i / (options.points - 1));
+  for (int i = 0; i < options.points; ++i)
+    damping.push_back(from + (to - from) * i / (options.points - 1));
   return damping;
 }
 
 std::string describe(const Model& model, const nlohmann::json& result, bool verbose) {
   const MotionUnits& units = units_of(model.device.motion);
-  std::string text = fmt::format("{}: largest stiffness [{}] over virtual damping [{}]\n\n{:>14}", model.name,
-                                 units.stiffness.symbol, units.damping.symbol, "B");
-  for (const auto& b : result["boundaries"]) text += fmt::format("  {:>20}", b["criterion"].get<std::string>());
+  std::string text = fmt::format("{}: largest stiffness [{}] over virtual damping [{}]\n\n{:>14}",
+                                 model.name, units.stiffness.symbol, units.damping.symbol, "B");
+  for (const auto& b : result["boundaries"])
+    text += fmt::format("  {:>20}", b["criterion"].get<std::string>());
   text += "\n";
   const std::size_t rows = result["damping"].size();
   const std::size_t stride = verbose ? 1 : std::max<std::size_t>(1, (rows + 24) / 25);
   for (std::size_t i = 0; i < rows; i += stride) {
-    text += fmt::format("{:14.6g}", result["damping"][i].get<double>() + 0.0);  // adding zero turns -0 into 0
+    text += fmt::format("{:14.6g}",
+                        result["damping"][i].get<double>() + 0.0);  // adding zero turns -0 into 0
     for (const auto& b : result["boundaries"]) {
       const auto& k = b["max_stiffness"][i];
       const bool feasible = b["feasible"][i];
-      text += fmt::format("  {:>20}", !feasible ? "none" : k.is_null() ? "unbounded" : fmt::format("{:.6g}", k.get<double>() + 0.0));
+      text += fmt::format("  {:>20}", !feasible     ? "none"
+                                      : k.is_null() ? "unbounded"
+                                                    : fmt::format("{:.6g}", k.get<double>() + 0.0));
     }
     text += "\n";
   }
   if (stride > 1) {
-    text += fmt::format("\n{} dampings computed; --verbose, --csv or --json gives them all, --png or --svg a plot.\n", rows);
+    text += fmt::format(
+        "\n{} dampings computed; --verbose, --csv or --json gives them all, --png or --svg a "
+        "plot.\n",
+        rows);
   }
   return text;
 }
@@ -84,15 +98,16 @@ void run(const Options& options) {
   check_outputs(options.common);
   const auto criteria = parse_criteria(options.criteria);
   const Model model = load_model(options.common.model);
-  const nlohmann::json result = make_zwidth_result(
-      model, {choose_damping(options, model), criteria, options.common.quiet});
+  const nlohmann::json result =
+      make_zwidth_result(model, {choose_damping(options, model), criteria, options.common.quiet});
   if (!options.common.csv.empty()) {
     std::vector<std::string> names{"damping"};
     std::vector<std::vector<double>> columns{result["damping"]};
     for (const auto& b : result["boundaries"]) {
       names.push_back("max_stiffness_" + b["criterion"].get<std::string>());
       std::vector<double> column;
-      for (const auto& k : b["max_stiffness"]) column.push_back(k.is_null() ? INFINITY : k.get<double>());
+      for (const auto& k : b["max_stiffness"])
+        column.push_back(k.is_null() ? INFINITY : k.get<double>());
       columns.push_back(std::move(column));
     }
     write_csv(options.common.csv, names, columns);
@@ -104,14 +119,19 @@ void run(const Options& options) {
 
 void add_zwidth_command(CLI::App& app, int&) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("zwidth", "Largest virtual stiffness over virtual damping, by one or more criteria");
+  CLI::App* command = app.add_subcommand(
+      "zwidth", "Largest virtual stiffness over virtual damping, by one or more criteria");
   std::string criteria_help = "Comma-separated:";
-  for (const auto& c : criterion_names()) criteria_help += fmt::format("\n  {}: {}", c.name, c.summary);
-  add_common_options(*command, options->common, "Write damping and the limits as columns",
-                     "gyrator zwidth examples/rc_display.json --damping 0,1e-4,1.5e-4 --criterion exact_disk");
-  auto* list = command->add_option("--damping", options->damping, "Virtual dampings B, such as 0,0.1mN.m.s/rad")
-                   ->type_name("LIST")
-                   ->check(not_empty());
+  for (const auto& c : criterion_names())
+    criteria_help += fmt::format("\n  {}: {}", c.name, c.summary);
+  add_common_options(
+      *command, options->common, "Write damping and the limits as columns",
+      "gyrator zwidth examples/rc_display.json --damping 0,1e-4,1.5e-4 --criterion exact_disk");
+  auto* list =
+      command
+          ->add_option("--damping", options->damping, "Virtual dampings B, such as 0,0.1mN.m.s/rad")
+          ->type_name("LIST")
+          ->check(not_empty());
   const auto add_end = [&](const char* name, std::string& value, const char* help) {
     command->add_option(name, value, help)->type_name("B")->check(not_empty())->excludes(list);
   };
@@ -120,7 +140,9 @@ void add_zwidth_command(CLI::App& app, int&) {
   command->add_option("--points", options->points, "Number of dampings in the range")
       ->capture_default_str()
       ->check(whole_number_between(2, 1000000));
-  command->add_option("--criterion", options->criteria, criteria_help)->capture_default_str()->type_name("LIST");
+  command->add_option("--criterion", options->criteria, criteria_help)
+      ->capture_default_str()
+      ->type_name("LIST");
   command->callback([options] { run(*options); });
 }
 

@@ -1,13 +1,13 @@
 #include "gyrator/circuits/descriptor.hpp"
 
+#include "gyrator/core/error.hpp"
+
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-
-#include "gyrator/core/error.hpp"
 
 namespace gyrator {
 namespace {
@@ -20,7 +20,8 @@ struct Overloaded : Ts... {
 bool has_branch_unknown(const ElementLaw& law) {
   return std::holds_alternative<Inductor>(law) || std::holds_alternative<VoltageSource>(law) ||
          std::holds_alternative<VoltageControlledVoltageSource>(law) ||
-         std::holds_alternative<CurrentControlledVoltageSource>(law) || std::holds_alternative<Transformer>(law);
+         std::holds_alternative<CurrentControlledVoltageSource>(law) ||
+         std::holds_alternative<Transformer>(law);
 }
 
 }  // namespace
@@ -29,7 +30,8 @@ NetworkEquations::NetworkEquations(const Network& network) : network_(network) {
   const auto& elements = network_.elements();
   const auto& nodes = network_.nodes();
   int size = static_cast<int>(nodes.size()) - 1;
-  for (const auto& element : elements) branch_.push_back(has_branch_unknown(element.law) ? size++ : -1);
+  for (const auto& element : elements)
+    branch_.push_back(has_branch_unknown(element.law) ? size++ : -1);
 
   auto& d = descriptor_;
   d.E = Eigen::MatrixXd::Zero(size, size);
@@ -45,8 +47,10 @@ NetworkEquations::NetworkEquations(const Network& network) : network_(network) {
   for (int e = 0; e < static_cast<int>(elements.size()); ++e) {
     const int branch = branch_of({e});
     if (branch >= 0) {
-      d.unknown_names[static_cast<std::size_t>(branch)] = elements[static_cast<std::size_t>(e)].name;
-      d.equation_elements[static_cast<std::size_t>(branch)] = {elements[static_cast<std::size_t>(e)].name};
+      d.unknown_names[static_cast<std::size_t>(branch)] =
+          elements[static_cast<std::size_t>(e)].name;
+      d.equation_elements[static_cast<std::size_t>(branch)] = {
+          elements[static_cast<std::size_t>(e)].name};
     }
     stamp({e});
   }
@@ -79,72 +83,77 @@ void NetworkEquations::stamp(ElementId id) {
   const auto control_branch = [&](ElementId control) {
     const int column = branch_of(control);
     if (column < 0) {
-      throw Error(ErrorCode::bad_input, element.name,
-                  fmt::format("controlled by the current of {}: only a source, an inductor or a transformer "
-                              "can be sensed; put an ammeter in series",
-                              network_.element(control).name));
+      throw Error(
+          ErrorCode::bad_input, element.name,
+          fmt::format(
+              "controlled by the current of {}: only a source, an inductor or a transformer "
+              "can be sensed; put an ammeter in series",
+              network_.element(control).name));
     }
     return column;
   };
 
-  std::visit(Overloaded{
-                 [&](const Resistor& e) { stamp_transconductance(p, n, p, n, 1 / e.resistance); },
-                 [&](const Conductance& e) { stamp_transconductance(p, n, p, n, e.conductance); },
-                 [&](const Inductor& e) {
-                   stamp_flow(p, n, branch, 1);
-                   d.E(branch, branch) = e.inductance;  // L di/dt = v_p - v_n
-                   stamp_across(branch, p, n, 1);
-                 },
-                 [&](const Capacitor& e) {  // C d(v_p - v_n)/dt leaves p and enters n
-                   const auto add = [&](NodeId row, NodeId column, double c) {
-                     if (row != ground && column != ground) d.E(row.index - 1, column.index - 1) += c;
-                   };
-                   add(p, p, e.capacitance);
-                   add(n, n, e.capacitance);
-                   add(p, n, -e.capacitance);
-                   add(n, p, -e.capacitance);
-                 },
-                 [&](const VoltageSource& e) {  // 0 = v_p - v_n - u
-                   stamp_flow(p, n, branch, 1);
-                   stamp_across(branch, p, n, 1);
-                   if (e.input) d.B(branch, *e.input) = -1;
-                 },
-                 [&](const CurrentSource& e) {
-                   if (p != ground) d.B(p.index - 1, e.input) -= 1;
-                   if (n != ground) d.B(n.index - 1, e.input) += 1;
-                 },
-                 [&](const VoltageControlledVoltageSource& e) {
-                   stamp_flow(p, n, branch, 1);
-                   stamp_across(branch, p, n, 1);
-                   stamp_across(branch, e.control_positive, e.control_negative, -e.gain);
-                 },
-                 [&](const VoltageControlledCurrentSource& e) {
-                   stamp_transconductance(p, n, e.control_positive, e.control_negative, e.transconductance);
-                 },
-                 [&](const CurrentControlledVoltageSource& e) {
-                   stamp_flow(p, n, branch, 1);
-                   stamp_across(branch, p, n, 1);
-                   d.A(branch, control_branch(e.control)) -= e.transresistance;
-                 },
-                 [&](const CurrentControlledCurrentSource& e) {
-                   stamp_flow(p, n, control_branch(e.control), e.gain);
-                 },
-                 [&](const Transformer& e) {  // 0 = v - n v_2,  i_2 = -n i
-                   stamp_flow(p, n, branch, 1);
-                   stamp_flow(e.second_positive, e.second_negative, branch, -e.ratio);
-                   stamp_across(branch, p, n, 1);
-                   stamp_across(branch, e.second_positive, e.second_negative, -e.ratio);
-                 },
-                 [&](const Gyrator& e) {
-                   stamp_transconductance(p, n, e.second_positive, e.second_negative, e.transconductance);
-                   stamp_transconductance(e.second_positive, e.second_negative, p, n, -e.transconductance);
-                 },
-             },
-             element.law);
+  std::visit(
+      Overloaded{
+          [&](const Resistor& e) { stamp_transconductance(p, n, p, n, 1 / e.resistance); },
+          [&](const Conductance& e) { stamp_transconductance(p, n, p, n, e.conductance); },
+          [&](const Inductor& e) {
+            stamp_flow(p, n, branch, 1);
+            d.E(branch, branch) = e.inductance;  // L di/dt = v_p - v_n
+            stamp_across(branch, p, n, 1);
+          },
+          [&](const Capacitor& e) {  // C d(v_p - v_n)/dt leaves p and enters n
+            const auto add = [&](NodeId row, NodeId column, double c) {
+              if (row != ground && column != ground) d.E(row.index - 1, column.index - 1) += c;
+            };
+            add(p, p, e.capacitance);
+            add(n, n, e.capacitance);
+            add(p, n, -e.capacitance);
+            add(n, p, -e.capacitance);
+          },
+          [&](const VoltageSource& e) {  // 0 = v_p - v_n - u
+            stamp_flow(p, n, branch, 1);
+            stamp_across(branch, p, n, 1);
+            if (e.input) d.B(branch, *e.input) = -1;
+          },
+          [&](const CurrentSource& e) {
+            if (p != ground) d.B(p.index - 1, e.input) -= 1;
+            if (n != ground) d.B(n.index - 1, e.input) += 1;
+          },
+          [&](const VoltageControlledVoltageSource& e) {
+            stamp_flow(p, n, branch, 1);
+            stamp_across(branch, p, n, 1);
+            stamp_across(branch, e.control_positive, e.control_negative, -e.gain);
+          },
+          [&](const VoltageControlledCurrentSource& e) {
+            stamp_transconductance(p, n, e.control_positive, e.control_negative,
+                                   e.transconductance);
+          },
+          [&](const CurrentControlledVoltageSource& e) {
+            stamp_flow(p, n, branch, 1);
+            stamp_across(branch, p, n, 1);
+            d.A(branch, control_branch(e.control)) -= e.transresistance;
+          },
+          [&](const CurrentControlledCurrentSource& e) {
+            stamp_flow(p, n, control_branch(e.control), e.gain);
+          },
+          [&](const Transformer& e) {  // 0 = v - n v_2,  i_2 = -n i
+            stamp_flow(p, n, branch, 1);
+            stamp_flow(e.second_positive, e.second_negative, branch, -e.ratio);
+            stamp_across(branch, p, n, 1);
+            stamp_across(branch, e.second_positive, e.second_negative, -e.ratio);
+          },
+          [&](const Gyrator& e) {
+            stamp_transconductance(p, n, e.second_positive, e.second_negative, e.transconductance);
+            stamp_transconductance(e.second_positive, e.second_negative, p, n, -e.transconductance);
+          },
+      },
+      element.law);
 }
 
 LinearForm NetworkEquations::across(NodeId positive, NodeId negative) const {
-  LinearForm form{Eigen::RowVectorXd::Zero(descriptor_.size()), Eigen::RowVectorXd::Zero(descriptor_.B.cols())};
+  LinearForm form{Eigen::RowVectorXd::Zero(descriptor_.size()),
+                  Eigen::RowVectorXd::Zero(descriptor_.B.cols())};
   if (positive != ground) form.x(positive.index - 1) += 1;
   if (negative != ground) form.x(negative.index - 1) -= 1;
   return form;
@@ -161,29 +170,32 @@ LinearForm NetworkEquations::through(ElementId id) const {
     form.x(branch_of(id)) = 1;
     return form;
   }
-  std::visit(Overloaded{
-                 [&](const Resistor& e) { form.x = across(id).x / e.resistance; },
-                 [&](const Conductance& e) { form.x = across(id).x * e.conductance; },
-                 [&](const CurrentSource& e) { form.u(e.input) = 1; },
-                 [&](const VoltageControlledCurrentSource& e) {
-                   form.x = across(e.control_positive, e.control_negative).x * e.transconductance;
-                 },
-                 [&](const CurrentControlledCurrentSource& e) { form.x(branch_of(e.control)) = e.gain; },
-                 [&](const Gyrator& e) {
-                   form.x = across(e.second_positive, e.second_negative).x * e.transconductance;
-                 },
-                 [&](const auto&) {
-                   throw Error(ErrorCode::bad_input, element.name,
-                               "the current of a capacitor is the derivative of an unknown: put an ammeter in series");
-                 },
-             },
-             element.law);
+  std::visit(
+      Overloaded{
+          [&](const Resistor& e) { form.x = across(id).x / e.resistance; },
+          [&](const Conductance& e) { form.x = across(id).x * e.conductance; },
+          [&](const CurrentSource& e) { form.u(e.input) = 1; },
+          [&](const VoltageControlledCurrentSource& e) {
+            form.x = across(e.control_positive, e.control_negative).x * e.transconductance;
+          },
+          [&](const CurrentControlledCurrentSource& e) { form.x(branch_of(e.control)) = e.gain; },
+          [&](const Gyrator& e) {
+            form.x = across(e.second_positive, e.second_negative).x * e.transconductance;
+          },
+          [&](const auto&) {
+            throw Error(ErrorCode::bad_input, element.name,
+                        "the current of a capacitor is the derivative of an unknown: put an "
+                        "ammeter in series");
+          },
+      },
+      element.law);
   return form;
 }
 
 Eigen::MatrixXcd solve_descriptor(const Descriptor& descriptor, std::complex<double> s) {
   const Eigen::MatrixXcd pencil = s * descriptor.E.cast<std::complex<double>>() - descriptor.A;
-  const Eigen::MatrixXcd solution = pencil.partialPivLu().solve(descriptor.B.cast<std::complex<double>>());
+  const Eigen::MatrixXcd solution =
+      pencil.partialPivLu().solve(descriptor.B.cast<std::complex<double>>());
   if (!solution.allFinite()) {
     // The unknown that the singular equations leave free, and the elements around it.
     Eigen::Index unknown = 0;
@@ -192,11 +204,14 @@ Eigen::MatrixXcd solve_descriptor(const Descriptor& descriptor, std::complex<dou
     } else {
       while (pencil.row(unknown).allFinite()) ++unknown;
     }
-    throw Error(ErrorCode::numerical,
-                fmt::format("{}", fmt::join(descriptor.equation_elements[static_cast<std::size_t>(unknown)], ", ")),
-                fmt::format("the network's equations are singular to rounding at {:g} Hz: values out of all proportion "
-                            "to the others",
-                            std::abs(s) / (2 * std::numbers::pi)));
+    throw Error(
+        ErrorCode::numerical,
+        fmt::format(
+            "{}", fmt::join(descriptor.equation_elements[static_cast<std::size_t>(unknown)], ", ")),
+        fmt::format("the network's equations are singular to rounding at {:g} Hz: values out of "
+                    "all proportion "
+                    "to the others",
+                    std::abs(s) / (2 * std::numbers::pi)));
   }
   return solution;
 }

@@ -1,12 +1,12 @@
 #pragma once
 
+#include "gyrator/circuits/network.hpp"
+
 #include <complex>
 #include <string>
 #include <vector>
 
 #include <Eigen/Dense>
-
-#include "gyrator/circuits/network.hpp"
 
 namespace gyrator {
 
@@ -45,7 +45,9 @@ class NetworkEquations {
   LinearForm through(ElementId element) const;
 
  private:
-  int branch_of(ElementId element) const { return branch_[static_cast<std::size_t>(element.index)]; }
+  int branch_of(ElementId element) const {
+    return branch_[static_cast<std::size_t>(element.index)];
+  }
   void stamp(ElementId id);
   void stamp_flow(NodeId positive, NodeId negative, int column, double factor);
   void stamp_across(int row, NodeId positive, NodeId negative, double factor);

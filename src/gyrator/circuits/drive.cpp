@@ -1,10 +1,10 @@
 #include "gyrator/circuits/drive.hpp"
 
+#include "gyrator/core/error.hpp"
+
 #include <numbers>
 
 #include <fmt/core.h>
-
-#include "gyrator/core/error.hpp"
 
 namespace gyrator {
 namespace {
@@ -20,7 +20,8 @@ ElementId add_motor(Network& network, const Motor& motor, NodeId terminal, NodeI
     network.add("motor.inductance", inner, emf, Inductor{motor.inductance});
   }
   network.add("motor.resistance", winding, inner, Resistor{motor.resistance});
-  network.add("motor.torque_constant", emf, ground, Transformer{motor.torque_constant, shaft, ground});
+  network.add("motor.torque_constant", emf, ground,
+              Transformer{motor.torque_constant, shaft, ground});
   return ammeter;
 }
 
@@ -28,12 +29,13 @@ ElementId add_motor(Network& network, const Motor& motor, NodeId terminal, NodeI
 NodeId add_lag(Network& network, const std::string& name, NodeId from, double bandwidth_hz) {
   const NodeId lagged = network.add_node(name, Domain::electrical);
   network.add(name + ".resistance", from, lagged, Resistor{1.0}, Role::signal);
-  network.add(name + ".capacitance", lagged, ground, Capacitor{1 / (2 * std::numbers::pi * bandwidth_hz)},
-              Role::signal);
+  network.add(name + ".capacitance", lagged, ground,
+              Capacitor{1 / (2 * std::numbers::pi * bandwidth_hz)}, Role::signal);
   return lagged;
 }
 
-void add_damping(Network& network, const Damping& damping, const std::string& name, NodeId terminal) {
+void add_damping(Network& network, const Damping& damping, const std::string& name,
+                 NodeId terminal) {
   if (const auto* resistor = std::get_if<ResistorDamping>(&damping)) {
     network.add(name + ".resistance", terminal, ground, Resistor{resistor->resistance});
   } else if (const auto* rc = std::get_if<RcDamping>(&damping)) {
@@ -46,23 +48,25 @@ void add_damping(Network& network, const Damping& damping, const std::string& na
   }
 }
 
-void add_current_amplifier(Network& network, const CurrentAmplifier& amplifier, NodeId command, NodeId terminal,
-                           ElementId motor_ammeter, double gain) {
+void add_current_amplifier(Network& network, const CurrentAmplifier& amplifier, NodeId command,
+                           NodeId terminal, ElementId motor_ammeter, double gain) {
   if (amplifier.bandwidth_hz) {
     // di/dt = w_b (i_command - i_sensed): an integrator, 1/w_b as its capacitor.
     if (amplifier.sense == CurrentSense::total) {
       const NodeId current = add_lag(network, "amplifier.loop", command, *amplifier.bandwidth_hz);
-      network.add("amplifier", ground, terminal, VoltageControlledCurrentSource{gain, current, ground});
+      network.add("amplifier", ground, terminal,
+                  VoltageControlledCurrentSource{gain, current, ground});
       return;
     }
     const NodeId current = network.add_node("amplifier.loop", Domain::electrical);
     network.add("amplifier.loop.integrator", current, ground,
                 Capacitor{1 / (2 * std::numbers::pi * *amplifier.bandwidth_hz)}, Role::signal);
-    network.add("amplifier.loop.command", ground, current, VoltageControlledCurrentSource{gain, command, ground},
-                Role::signal);
-    network.add("amplifier.loop.sense", current, ground, CurrentControlledCurrentSource{1.0, motor_ammeter},
-                Role::signal);
-    network.add("amplifier", ground, terminal, VoltageControlledCurrentSource{1.0, current, ground});
+    network.add("amplifier.loop.command", ground, current,
+                VoltageControlledCurrentSource{gain, command, ground}, Role::signal);
+    network.add("amplifier.loop.sense", current, ground,
+                CurrentControlledCurrentSource{1.0, motor_ammeter}, Role::signal);
+    network.add("amplifier", ground, terminal,
+                VoltageControlledCurrentSource{1.0, current, ground});
     return;
   }
   network.add("amplifier", ground, terminal, VoltageControlledCurrentSource{gain, command, ground});
@@ -77,28 +81,33 @@ bool ignores_damping(const Amplifier& amplifier) {
 
 }  // namespace
 
-DriveTaps add_drive(Network& network, const Drive& drive, NodeId command, NodeId shaft, double gain) {
+DriveTaps add_drive(Network& network, const Drive& drive, NodeId command, NodeId shaft,
+                    double gain) {
   if (std::holds_alternative<IdealDrive>(drive.amplifier) && !drive.motor) {
     if (!drive.damping.empty()) {
-      throw Error(ErrorCode::bad_input, "damping", "a damping circuit needs a motor: add the key \"motor\"");
+      throw Error(ErrorCode::bad_input, "damping",
+                  "a damping circuit needs a motor: add the key \"motor\"");
     }
     network.add("amplifier", ground, shaft, VoltageControlledCurrentSource{gain, command, ground});
     return {};
   }
   if (!drive.motor) {
-    throw Error(ErrorCode::bad_input, "amplifier", "an amplifier needs a motor to drive: add the key \"motor\"");
+    throw Error(ErrorCode::bad_input, "amplifier",
+                "an amplifier needs a motor to drive: add the key \"motor\"");
   }
   const NodeId terminal = network.add_node("motor.terminal", Domain::electrical);
   const ElementId ammeter = add_motor(network, *drive.motor, terminal, shaft);
   if (const auto* current = std::get_if<CurrentAmplifier>(&drive.amplifier)) {
     add_current_amplifier(network, *current, command, terminal, ammeter, gain);
   } else if (const auto* voltage = std::get_if<VoltageAmplifier>(&drive.amplifier)) {
-    const NodeId wanted =
-        voltage->bandwidth_hz ? add_lag(network, "amplifier.loop", command, *voltage->bandwidth_hz) : command;
+    const NodeId wanted = voltage->bandwidth_hz
+                              ? add_lag(network, "amplifier.loop", command, *voltage->bandwidth_hz)
+                              : command;
     NodeId output = terminal;
     if (voltage->output_resistance > 0) {
       output = network.add_node("amplifier.output", Domain::electrical);
-      network.add("amplifier.output_resistance", output, terminal, Resistor{voltage->output_resistance});
+      network.add("amplifier.output_resistance", output, terminal,
+                  Resistor{voltage->output_resistance});
     }
     network.add("amplifier", output, ground, VoltageControlledVoltageSource{gain, wanted, ground});
   } else {

@@ -1,11 +1,11 @@
 #pragma once
 
+#include "gyrator/circuits/network.hpp"
+
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
-
-#include "gyrator/circuits/network.hpp"
 
 namespace gyrator {
 
@@ -42,9 +42,14 @@ struct VoltageAmplifier {
 using Amplifier = std::variant<IdealDrive, CurrentAmplifier, VoltageAmplifier>;
 
 /// A resistor across the motor terminals.
-struct ResistorDamping { double resistance = 0; };
+struct ResistorDamping {
+  double resistance = 0;
+};
 /// R_1 in series with C across the motor terminals [8.48]. R_1 may be zero.
-struct RcDamping { double resistance = 0; double capacitance = 0; };
+struct RcDamping {
+  double resistance = 0;
+  double capacitance = 0;
+};
 
 using Damping = std::variant<ResistorDamping, RcDamping>;
 
@@ -65,6 +70,7 @@ struct DriveTaps {
 /// `command` is the signal node that carries the wanted effort, `shaft` the mechanical node that
 /// the motor acts on, `gain` the amplifier's output per unit of command [A/N.m, V/N.m, N.m/N.m].
 /// Throws bad_input for a circuit without a motor.
-DriveTaps add_drive(Network& network, const Drive& drive, NodeId command, NodeId shaft, double gain);
+DriveTaps add_drive(Network& network, const Drive& drive, NodeId command, NodeId shaft,
+                    double gain);
 
 }  // namespace gyrator

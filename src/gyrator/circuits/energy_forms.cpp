@@ -44,7 +44,8 @@ EnergyForms build_energy_forms(const NetworkEquations& equations, const Reductio
     const ElementId id{e};
     const Element& element = elements[static_cast<std::size_t>(e)];
     if (operator_ammeter && id == *operator_ammeter) {
-      forms.operator_work += outer(row_of(equations.across(element.positive)), row_of(equations.through(id)));
+      forms.operator_work +=
+          outer(row_of(equations.across(element.positive)), row_of(equations.through(id)));
       continue;
     }
     if (element.role != Role::device) continue;
@@ -68,7 +69,9 @@ EnergyForms build_energy_forms(const NetworkEquations& equations, const Reductio
       const auto mean = [&](const ReducedForm& f) {
         return joined(joined(f.state, f.input / 2), f.input / 2);
       };
-      const auto impulse = [&](const ReducedForm& f) { return joined(joined(none, -f.input_rate), f.input_rate); };
+      const auto impulse = [&](const ReducedForm& f) {
+        return joined(joined(none, -f.input_rate), f.input_rate);
+      };
       forms.source_jump -= outer(mean(v), impulse(i)) + outer(mean(i), impulse(v));
     }
   }

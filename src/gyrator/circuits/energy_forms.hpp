@@ -1,11 +1,11 @@
 #pragma once
 
+#include "gyrator/circuits/descriptor.hpp"
+#include "gyrator/circuits/reduction.hpp"
+
 #include <optional>
 
 #include <Eigen/Dense>
-
-#include "gyrator/circuits/descriptor.hpp"
-#include "gyrator/circuits/reduction.hpp"
 
 namespace gyrator {
 

@@ -26,7 +26,8 @@ void HessenbergResponse::evaluate(std::complex<double> s, Eigen::MatrixXcd& resp
   const Eigen::Index m = input_.cols();
   // Plain products: the operands are finite, so the C99 rules for infinities cost for nothing.
   const auto multiply = [](Complex a, Complex b) {
-    return Complex(a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real());
+    return Complex(a.real() * b.real() - a.imag() * b.imag(),
+                   a.real() * b.imag() + a.imag() * b.real());
   };
   const auto reciprocal = [](Complex a) {
     const double scale = 1 / (a.real() * a.real() + a.imag() * a.imag());

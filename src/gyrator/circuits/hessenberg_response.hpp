@@ -1,11 +1,11 @@
 #pragma once
 
+#include "gyrator/circuits/state_space.hpp"
+
 #include <complex>
 #include <vector>
 
 #include <Eigen/Dense>
-
-#include "gyrator/circuits/state_space.hpp"
 
 namespace gyrator {
 

@@ -1,12 +1,12 @@
 #include "gyrator/circuits/network.hpp"
 
+#include "gyrator/core/error.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
 
 #include <fmt/core.h>
-
-#include "gyrator/core/error.hpp"
 
 namespace gyrator {
 namespace {
@@ -16,7 +16,8 @@ struct Overloaded : Ts... {
   using Ts::operator()...;
 };
 
-void check_positive(const std::string& element, const char* quantity, const char* unit, double value) {
+void check_positive(const std::string& element, const char* quantity, const char* unit,
+                    double value) {
   if (std::isfinite(value) && value > 0) return;
   throw Error(ErrorCode::bad_input, element,
               fmt::format("{} of {:g} {}: must be positive and finite", quantity, value, unit));
@@ -24,12 +25,15 @@ void check_positive(const std::string& element, const char* quantity, const char
 
 void check_finite(const std::string& element, const char* quantity, double value) {
   if (std::isfinite(value)) return;
-  throw Error(ErrorCode::bad_input, element, fmt::format("{} of {:g}: must be finite", quantity, value));
+  throw Error(ErrorCode::bad_input, element,
+              fmt::format("{} of {:g}: must be finite", quantity, value));
 }
 
 }  // namespace
 
-Network::Network() { nodes_.push_back({"ground", Domain::electrical}); }
+Network::Network() {
+  nodes_.push_back({"ground", Domain::electrical});
+}
 
 NodeId Network::add_node(std::string name, Domain domain) {
   nodes_.push_back({std::move(name), domain});
@@ -43,7 +47,8 @@ int Network::add_input(std::string name) {
 
 void Network::check_node(const std::string& element, NodeId node) const {
   if (node.index >= 0 && node.index < static_cast<int>(nodes_.size())) return;
-  throw Error(ErrorCode::bad_input, element, fmt::format("node {} does not exist in the network", node.index));
+  throw Error(ErrorCode::bad_input, element,
+              fmt::format("node {} does not exist in the network", node.index));
 }
 
 // The nodes and elements that a law refers to beyond its own terminals.
@@ -60,54 +65,61 @@ void Network::check_references(const std::string& name, const Law& law) const {
   if constexpr (requires { law.input; }) {
     const std::optional<int> input = law.input;
     if (input && (*input < 0 || *input >= static_cast<int>(inputs_.size()))) {
-      throw Error(ErrorCode::bad_input, name, fmt::format("input {} does not exist in the network", *input));
+      throw Error(ErrorCode::bad_input, name,
+                  fmt::format("input {} does not exist in the network", *input));
     }
   }
   if constexpr (requires { law.control; }) {
     if (law.control.index < 0 || law.control.index >= static_cast<int>(elements_.size())) {
-      throw Error(ErrorCode::bad_input, name, fmt::format("element {} does not exist in the network", law.control.index));
+      throw Error(ErrorCode::bad_input, name,
+                  fmt::format("element {} does not exist in the network", law.control.index));
     }
   }
 }
 
-ElementId Network::add(std::string name, NodeId positive, NodeId negative, ElementLaw law, Role role) {
+ElementId Network::add(std::string name, NodeId positive, NodeId negative, ElementLaw law,
+                       Role role) {
   check_node(name, positive);
   check_node(name, negative);
   if (find_element(name)) {
-    throw Error(ErrorCode::bad_input, name, "an element of this name exists already: names are unique");
+    throw Error(ErrorCode::bad_input, name,
+                "an element of this name exists already: names are unique");
   }
-  std::visit(Overloaded{
-                 [&](const Resistor& e) { check_positive(name, "resistance", "ohm", e.resistance); },
-                 [&](const Conductance& e) { check_positive(name, "conductance", "S", e.conductance); },
-                 [&](const Inductor& e) { check_positive(name, "inductance", "H", e.inductance); },
-                 [&](const Capacitor& e) { check_positive(name, "capacitance", "F", e.capacitance); },
-                 [&](const VoltageSource&) {},
-                 [&](const CurrentSource&) {},
-                 [&](const VoltageControlledVoltageSource& e) { check_finite(name, "gain", e.gain); },
-                 [&](const VoltageControlledCurrentSource& e) {
-                   check_finite(name, "transconductance", e.transconductance);
-                 },
-                 [&](const CurrentControlledVoltageSource& e) {
-                   check_finite(name, "transresistance", e.transresistance);
-                 },
-                 [&](const CurrentControlledCurrentSource& e) { check_finite(name, "gain", e.gain); },
-                 [&](const Transformer& e) { check_finite(name, "ratio", e.ratio); },
-                 [&](const Gyrator& e) { check_finite(name, "transconductance", e.transconductance); },
-             },
-             law);
+  std::visit(
+      Overloaded{
+          [&](const Resistor& e) { check_positive(name, "resistance", "ohm", e.resistance); },
+          [&](const Conductance& e) { check_positive(name, "conductance", "S", e.conductance); },
+          [&](const Inductor& e) { check_positive(name, "inductance", "H", e.inductance); },
+          [&](const Capacitor& e) { check_positive(name, "capacitance", "F", e.capacitance); },
+          [&](const VoltageSource&) {},
+          [&](const CurrentSource&) {},
+          [&](const VoltageControlledVoltageSource& e) { check_finite(name, "gain", e.gain); },
+          [&](const VoltageControlledCurrentSource& e) {
+            check_finite(name, "transconductance", e.transconductance);
+          },
+          [&](const CurrentControlledVoltageSource& e) {
+            check_finite(name, "transresistance", e.transresistance);
+          },
+          [&](const CurrentControlledCurrentSource& e) { check_finite(name, "gain", e.gain); },
+          [&](const Transformer& e) { check_finite(name, "ratio", e.ratio); },
+          [&](const Gyrator& e) { check_finite(name, "transconductance", e.transconductance); },
+      },
+      law);
   std::visit([&](const auto& e) { check_references(name, e); }, law);
   elements_.push_back({std::move(name), role, positive, negative, law});
   return {static_cast<int>(elements_.size()) - 1};
 }
 
 std::optional<ElementId> Network::find_element(std::string_view name) const {
-  const auto it = std::find_if(elements_.begin(), elements_.end(), [&](const Element& e) { return e.name == name; });
+  const auto it = std::find_if(elements_.begin(), elements_.end(),
+                               [&](const Element& e) { return e.name == name; });
   if (it == elements_.end()) return std::nullopt;
   return ElementId{static_cast<int>(it - elements_.begin())};
 }
 
 std::optional<NodeId> Network::find_node(std::string_view name) const {
-  const auto it = std::find_if(nodes_.begin(), nodes_.end(), [&](const NodeInfo& n) { return n.name == name; });
+  const auto it =
+      std::find_if(nodes_.begin(), nodes_.end(), [&](const NodeInfo& n) { return n.name == name; });
   if (it == nodes_.end()) return std::nullopt;
   return NodeId{static_cast<int>(it - nodes_.begin())};
 }

@@ -33,30 +33,60 @@ enum class Role { device, operator_side, signal };
 // In the mobility analogy a damper b is a Conductance, a mass m a Capacitor and a spring k an
 // Inductor of 1/k, so that one network holds both domains.
 
-struct Resistor { double resistance = 0; };        ///< v = R i
-struct Conductance { double conductance = 0; };    ///< i = G v
-struct Inductor { double inductance = 0; };        ///< v = L di/dt
-struct Capacitor { double capacitance = 0; };      ///< i = C dv/dt
+struct Resistor {
+  double resistance = 0;
+};  ///< v = R i
+struct Conductance {
+  double conductance = 0;
+};  ///< i = G v
+struct Inductor {
+  double inductance = 0;
+};  ///< v = L di/dt
+struct Capacitor {
+  double capacitance = 0;
+};  ///< i = C dv/dt
 /// v = input, or v = 0 without one (an ammeter).
-struct VoltageSource { std::optional<int> input; };
-struct CurrentSource { int input = 0; };           ///< i = input
+struct VoltageSource {
+  std::optional<int> input;
+};
+struct CurrentSource {
+  int input = 0;
+};  ///< i = input
 /// v = gain * v_control
-struct VoltageControlledVoltageSource { double gain = 0; NodeId control_positive, control_negative; };
+struct VoltageControlledVoltageSource {
+  double gain = 0;
+  NodeId control_positive, control_negative;
+};
 /// i = transconductance * v_control
-struct VoltageControlledCurrentSource { double transconductance = 0; NodeId control_positive, control_negative; };
+struct VoltageControlledCurrentSource {
+  double transconductance = 0;
+  NodeId control_positive, control_negative;
+};
 /// v = transresistance * i_control; the control must carry a branch current (source, inductor …)
-struct CurrentControlledVoltageSource { double transresistance = 0; ElementId control; };
+struct CurrentControlledVoltageSource {
+  double transresistance = 0;
+  ElementId control;
+};
 /// i = gain * i_control
-struct CurrentControlledCurrentSource { double gain = 0; ElementId control; };
+struct CurrentControlledCurrentSource {
+  double gain = 0;
+  ElementId control;
+};
 /// Ideal, lossless: v = ratio * v_2, i_2 = -ratio * i.
-struct Transformer { double ratio = 1; NodeId second_positive, second_negative; };
+struct Transformer {
+  double ratio = 1;
+  NodeId second_positive, second_negative;
+};
 /// Ideal, lossless: i = transconductance * v_2, i_2 = -transconductance * v.
-struct Gyrator { double transconductance = 1; NodeId second_positive, second_negative; };
+struct Gyrator {
+  double transconductance = 1;
+  NodeId second_positive, second_negative;
+};
 
-using ElementLaw = std::variant<Resistor, Conductance, Inductor, Capacitor, VoltageSource, CurrentSource,
-                                VoltageControlledVoltageSource, VoltageControlledCurrentSource,
-                                CurrentControlledVoltageSource, CurrentControlledCurrentSource, Transformer,
-                                Gyrator>;
+using ElementLaw = std::variant<Resistor, Conductance, Inductor, Capacitor, VoltageSource,
+                                CurrentSource, VoltageControlledVoltageSource,
+                                VoltageControlledCurrentSource, CurrentControlledVoltageSource,
+                                CurrentControlledCurrentSource, Transformer, Gyrator>;
 
 struct Element {
   std::string name;
@@ -80,12 +110,15 @@ class Network {
 
   NodeId add_node(std::string name, Domain domain);
   int add_input(std::string name);
-  ElementId add(std::string name, NodeId positive, NodeId negative, ElementLaw law, Role role = Role::device);
+  ElementId add(std::string name, NodeId positive, NodeId negative, ElementLaw law,
+                Role role = Role::device);
 
   const std::vector<NodeInfo>& nodes() const { return nodes_; }
   const std::vector<Element>& elements() const { return elements_; }
   const std::vector<std::string>& inputs() const { return inputs_; }
-  const Element& element(ElementId id) const { return elements_[static_cast<std::size_t>(id.index)]; }
+  const Element& element(ElementId id) const {
+    return elements_[static_cast<std::size_t>(id.index)];
+  }
 
   std::optional<ElementId> find_element(std::string_view name) const;
   std::optional<NodeId> find_node(std::string_view name) const;

@@ -1,13 +1,13 @@
 #include "gyrator/circuits/reduction.hpp"
 
+#include "gyrator/core/error.hpp"
+
 #include <cmath>
 #include <set>
 #include <vector>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-
-#include "gyrator/core/error.hpp"
 
 namespace gyrator {
 namespace {
@@ -26,7 +26,9 @@ struct Shrinking {
   MatrixXd rows;                // present rows of E as combinations of the original equations
 };
 
-double power_of_two_near(double value) { return std::exp2(std::round(std::log2(value))); }
+double power_of_two_near(double value) {
+  return std::exp2(std::round(std::log2(value)));
+}
 
 // Row scales that bring the largest entry of each row to about one; powers of two, so exact.
 Eigen::VectorXd row_scales(const MatrixXd& matrix) {
@@ -112,10 +114,12 @@ std::vector<Index> range(Index n) {
     if (std::abs(equation(i)) < 1e-6 * largest) continue;
     const auto& names = descriptor.equation_elements[static_cast<std::size_t>(i)];
     elements.insert(names.begin(), names.end());
-    if (names.empty()) elements.insert(descriptor.unknown_names[static_cast<std::size_t>(i)]);  // a bare node
+    if (names.empty())
+      elements.insert(descriptor.unknown_names[static_cast<std::size_t>(i)]);  // a bare node
   }
   throw Error(ErrorCode::numerical, fmt::format("{}", fmt::join(elements, ", ")),
-              "singular network: these elements leave an unknown undetermined (a node that floats or is fed "
+              "singular network: these elements leave an unknown undetermined (a node that floats "
+              "or is fed "
               "only by current sources) or contradict each other (a loop of voltage sources)");
 }
 
@@ -128,8 +132,13 @@ ReducedForm Reduction::reduce(const LinearForm& form) const {
 Reduction reduce(const Descriptor& descriptor) {
   const Index size = descriptor.size();
   const Index inputs = descriptor.B.cols();
-  Shrinking s{descriptor.E, descriptor.A, descriptor.B, MatrixXd::Zero(size, inputs),
-              MatrixXd::Identity(size, size), MatrixXd::Zero(size, inputs), MatrixXd::Zero(size, inputs),
+  Shrinking s{descriptor.E,
+              descriptor.A,
+              descriptor.B,
+              MatrixXd::Zero(size, inputs),
+              MatrixXd::Identity(size, size),
+              MatrixXd::Zero(size, inputs),
+              MatrixXd::Zero(size, inputs),
               MatrixXd::Identity(size, size)};
 
   while (s.E.rows() > 0) {
@@ -145,10 +154,12 @@ Reduction reduce(const Descriptor& descriptor) {
     // is then a node's velocity, a voltage or an inductor's current wherever possible.
     std::vector<Index> algebraic;
     std::vector<Index> differential;
-    for (Index j = 0; j < E_d.cols(); ++j) (E_d.col(j).isZero(0) ? algebraic : differential).push_back(j);
+    for (Index j = 0; j < E_d.cols(); ++j)
+      (E_d.col(j).isZero(0) ? algebraic : differential).push_back(j);
     const Elimination solved = eliminate(A_a, {algebraic, differential});
     if (!solved.free_rows.empty()) {
-      const Eigen::RowVectorXd equation = solved.combination.row(solved.free_rows.front()) * rows_a * s.rows;
+      const Eigen::RowVectorXd equation =
+          solved.combination.row(solved.free_rows.front()) * rows_a * s.rows;
       throw_singular(descriptor, equation);
     }
     std::vector<bool> is_pivot(static_cast<std::size_t>(s.A.cols()), false);
@@ -172,16 +183,18 @@ Reduction reduce(const Descriptor& descriptor) {
     for (std::size_t k = 0; k < solved.pivot_columns.size(); ++k) {
       const Index column = solved.pivot_columns[k];
       const Index row = solved.pivot_rows[k];
-      for (std::size_t f = 0; f < kept.size(); ++f) N(column, static_cast<Index>(f)) = -solved.reduced(row, kept[f]);
+      for (std::size_t f = 0; f < kept.size(); ++f)
+        N(column, static_cast<Index>(f)) = -solved.reduced(row, kept[f]);
       N_u.row(column) = -B_a.row(row);
       N_r.row(column) = -R_a.row(row);
     }
     const MatrixXd second_rate = E_d * N_r;
     const MatrixXd second_size = E_d.cwiseAbs() * N_r.cwiseAbs();
     if ((second_rate.array().abs() > 1e-9 * second_size.array()).any()) {
-      throw Error(ErrorCode::numerical, "network",
-                  "index 3: the motion would need the second derivative of an input; add the inductance, "
-                  "resistance or compliance that the real circuit has");
+      throw Error(
+          ErrorCode::numerical, "network",
+          "index 3: the motion would need the second derivative of an input; add the inductance, "
+          "resistance or compliance that the real circuit has");
     }
 
     Shrinking next;
@@ -196,7 +209,8 @@ Reduction reduce(const Descriptor& descriptor) {
     // impulse where the initial values contradict them (the force that joins two masses). With the
     // algebraic equations added so that it drops out, charge and momentum are kept.
     const MatrixXd held = (rows_d * s.A)(Eigen::all, solved.pivot_columns);
-    next.rows = (rows_d - held * solved.combination(solved.pivot_rows, Eigen::all) * rows_a) * s.rows;
+    next.rows =
+        (rows_d - held * solved.combination(solved.pivot_rows, Eigen::all) * rows_a) * s.rows;
     s = std::move(next);
   }
 

@@ -1,10 +1,10 @@
 #pragma once
 
+#include "gyrator/circuits/descriptor.hpp"
+
 #include <string>
 
 #include <Eigen/Dense>
-
-#include "gyrator/circuits/descriptor.hpp"
 
 namespace gyrator {
 

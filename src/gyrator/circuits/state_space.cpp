@@ -1,10 +1,10 @@
 #include "gyrator/circuits/state_space.hpp"
 
 #include <cmath>
+#include <unsupported/Eigen/MatrixFunctions>
 
 #include <Eigen/Eigenvalues>
 #include <boost/math/quadrature/gauss.hpp>
-#include <unsupported/Eigen/MatrixFunctions>
 
 namespace gyrator {
 namespace {
@@ -66,10 +66,13 @@ HeldStep discretize_held(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, dou
   return {step.topLeftCorner(n, n), step.topRightCorner(n, B.cols())};
 }
 
-std::vector<Eigen::MatrixXd> integrate_quadratic_forms(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
-                                                       const std::vector<Eigen::MatrixXd>& forms, double interval) {
+std::vector<Eigen::MatrixXd> integrate_quadratic_forms(const Eigen::MatrixXd& A,
+                                                       const Eigen::MatrixXd& B,
+                                                       const std::vector<Eigen::MatrixXd>& forms,
+                                                       double interval) {
   const Eigen::MatrixXd held = augment_held(A, B);
-  std::vector<Eigen::MatrixXd> integrals(forms.size(), Eigen::MatrixXd::Zero(held.rows(), held.cols()));
+  std::vector<Eigen::MatrixXd> integrals(forms.size(),
+                                         Eigen::MatrixXd::Zero(held.rows(), held.cols()));
   if (interval <= 0) return integrals;
 
   // Ten Gauss points integrate e^(2 A s) to rounding while |A| h <= 1/2. The held input's
@@ -87,7 +90,8 @@ std::vector<Eigen::MatrixXd> integrate_quadratic_forms(const Eigen::MatrixXd& A,
     for (const double node : {-Rule::abscissa()[i], Rule::abscissa()[i]}) {
       const Eigen::MatrixXd z = exponential(held * (h * (1 + node) / 2));
       const double weight = Rule::weights()[i] * h / 2;
-      for (std::size_t f = 0; f < forms.size(); ++f) integrals[f] += weight * (z.transpose() * forms[f] * z);
+      for (std::size_t f = 0; f < forms.size(); ++f)
+        integrals[f] += weight * (z.transpose() * forms[f] * z);
     }
   }
   Eigen::MatrixXd z = exponential(held * h);

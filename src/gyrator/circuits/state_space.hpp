@@ -31,8 +31,10 @@ HeldStep discretize_held(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, dou
 ///   W = integral_0^h z(s)' Q z(s) ds,  z = [x; u],  returned as W with z(0)' W z(0).   (zoh-2)
 /// Built by Gauss quadrature on a step short against the fastest pole, then doubled,
 /// W(2h) = W(h) + Z(h)' W(h) Z(h), which stays accurate for stiff A.
-std::vector<Eigen::MatrixXd> integrate_quadratic_forms(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
-                                                       const std::vector<Eigen::MatrixXd>& forms, double interval);
+std::vector<Eigen::MatrixXd> integrate_quadratic_forms(const Eigen::MatrixXd& A,
+                                                       const Eigen::MatrixXd& B,
+                                                       const std::vector<Eigen::MatrixXd>& forms,
+                                                       double interval);
 
 /// Eigenvalues of A, balanced first: poles [rad/s] of a continuous system, or of a sampled loop.
 Eigen::VectorXcd compute_poles(const Eigen::MatrixXd& A);

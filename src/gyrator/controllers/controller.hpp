@@ -1,9 +1,9 @@
 #pragma once
 
+#include "gyrator/controllers/virtual_wall.hpp"
+
 #include <optional>
 #include <variant>
-
-#include "gyrator/controllers/virtual_wall.hpp"
 
 namespace gyrator {
 

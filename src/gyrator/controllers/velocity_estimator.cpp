@@ -1,17 +1,18 @@
 #include "gyrator/controllers/velocity_estimator.hpp"
 
+#include "gyrator/core/error.hpp"
+
 #include <numbers>
 
 #include <fmt/core.h>
-
-#include "gyrator/core/error.hpp"
 
 namespace gyrator {
 namespace {
 
 DiscreteStateSpace make_difference(int window, double period) {
   if (window < 1) {
-    throw Error(ErrorCode::bad_input, "velocity/window", fmt::format("{} samples: must be at least 1", window));
+    throw Error(ErrorCode::bad_input, "velocity/window",
+                fmt::format("{} samples: must be at least 1", window));
   }
   // The state is the last n samples, newest first.
   DiscreteStateSpace law;
@@ -26,7 +27,8 @@ DiscreteStateSpace make_difference(int window, double period) {
 
 DiscreteStateSpace make_filtered_difference(double cutoff_hz, double period) {
   if (!(cutoff_hz > 0)) {
-    throw Error(ErrorCode::bad_input, "velocity/cutoff", fmt::format("{:g} Hz: must be positive", cutoff_hz));
+    throw Error(ErrorCode::bad_input, "velocity/cutoff",
+                fmt::format("{:g} Hz: must be positive", cutoff_hz));
   }
   const double tau = 1 / (2 * std::numbers::pi * cutoff_hz);
   // q[k+1] = tau v[k] - y[k], so that v[k] = (q[k] + y[k]) / (tau + T).
@@ -45,7 +47,8 @@ DiscreteStateSpace make_velocity_law(const VelocityEstimator& estimator, double 
   if (const auto* difference = std::get_if<DifferenceEstimator>(&estimator)) {
     return make_difference(difference->window, period);
   }
-  return make_filtered_difference(std::get<FilteredDifferenceEstimator>(estimator).cutoff_hz, period);
+  return make_filtered_difference(std::get<FilteredDifferenceEstimator>(estimator).cutoff_hz,
+                                  period);
 }
 
 }  // namespace gyrator

@@ -3,7 +3,8 @@
 namespace gyrator {
 
 DiscreteStateSpace make_wall_law(const VirtualWall& wall, double period) {
-  return in_parallel(make_gain(wall.stiffness), scaled(make_velocity_law(wall.velocity, period), wall.damping));
+  return in_parallel(make_gain(wall.stiffness),
+                     scaled(make_velocity_law(wall.velocity, period), wall.damping));
 }
 
 VirtualWallController::VirtualWallController(const VirtualWall& wall, double period)

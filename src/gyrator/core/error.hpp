@@ -7,10 +7,10 @@ namespace gyrator {
 
 /// Whose fault a failure is; the value is the program's exit code (docs/interface).
 enum class ErrorCode {
-  bad_input = 2,    ///< the user's file, option or value
-  numerical = 3,    ///< singular network, unstable plant, an integrator that gave up
-  device = 4,       ///< hardware or communication
-  interrupted = 130 ///< stopped by the user; partial results are named in the message
+  bad_input = 2,     ///< the user's file, option or value
+  numerical = 3,     ///< singular network, unstable plant, an integrator that gave up
+  device = 4,        ///< hardware or communication
+  interrupted = 130  ///< stopped by the user; partial results are named in the message
 };
 
 /// The one exception of the library: a code, the place it happened and what went wrong.

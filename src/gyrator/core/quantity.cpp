@@ -206,7 +206,8 @@ double parse_value(std::string_view text, const Unit& expected) {
   try {
     return value_in(parse_quantity(text), expected);
   } catch (const Error& error) {
-    throw Error(error.code(), error.place(), error.message() + suggest_whole_symbol(text, expected));
+    throw Error(error.code(), error.place(),
+                error.message() + suggest_whole_symbol(text, expected));
   }
 }
 

@@ -121,7 +121,8 @@ WideFraction find_simplest(const WideFraction& a, const WideFraction& b) {
   if (whole * a.den == a.num) return {whole, 1};
   if ((whole + 1) * b.den <= b.num) return {whole + 1, 1};
   // Both have the same whole part: the inverses of what is left, in the other order.
-  const WideFraction rest = find_simplest({b.den, b.num - whole * b.den}, {a.den, a.num - whole * a.den});
+  const WideFraction rest =
+      find_simplest({b.den, b.num - whole * b.den}, {a.den, a.num - whole * a.den});
   return {whole * rest.num + rest.den, rest.num};
 }
 
@@ -130,7 +131,8 @@ WideFraction find_simplest(const WideFraction& a, const WideFraction& b) {
 std::optional<Parts> find_simplest_parts(double value) {
   constexpr int digits = std::numeric_limits<double>::digits;
   int exponent = 0;
-  const auto mantissa = static_cast<std::int64_t>(std::ldexp(std::frexp(std::abs(value), &exponent), digits));
+  const auto mantissa =
+      static_cast<std::int64_t>(std::ldexp(std::frexp(std::abs(value), &exponent), digits));
   const int shift = digits - exponent;  // |value| = mantissa / 2^shift
   if (shift > 120) return std::nullopt;
   const Wide den = Wide{1} << static_cast<unsigned>(shift);
@@ -210,7 +212,8 @@ Rational Rational::from_double(double value) {
   if (!std::isfinite(value)) refuse(format_number(value), "a finite number is expected");
   const std::string text = format_number(value);
   constexpr std::size_t most_digits_typed = 15;
-  if (value != std::floor(value) && count_significant_digits(find_decimal(text)->mantissa) > most_digits_typed) {
+  if (value != std::floor(value) &&
+      count_significant_digits(find_decimal(text)->mantissa) > most_digits_typed) {
     if (const auto parts = find_simplest_parts(value)) return {parts->num, parts->den};
   }
   return from_decimal(text);

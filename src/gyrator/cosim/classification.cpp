@@ -34,7 +34,8 @@ std::vector<Cycle> find_cycles(std::span<const double> velocity) {
     const double after = velocity[i] - middle;
     if (!(before < 0 && after >= 0)) continue;
     const double crossing = static_cast<double>(i) - after / (after - before);
-    if (start >= 0) cycles.push_back({start, crossing, half_swing(velocity.subspan(first, i - first))});
+    if (start >= 0)
+      cycles.push_back({start, crossing, half_swing(velocity.subspan(first, i - first))});
     start = crossing;
     first = i;
   }
@@ -42,8 +43,8 @@ std::vector<Cycle> find_cycles(std::span<const double> velocity) {
 }
 
 // Growth of a motion without oscillation: the ratio of its sizes in the last two of six parts. An
-// exponential grows by the same factor from part to part; a swing on its way to a peak, or back from
-// one, does not, and counts as none.
+// exponential grows by the same factor from part to part; a swing on its way to a peak, or back
+// from one, does not, and counts as none.
 double find_steady_growth(std::span<const double> velocity) {
   constexpr std::size_t parts = 6;
   const std::size_t part = velocity.size() / parts;
@@ -67,15 +68,18 @@ double find_steady_growth(std::span<const double> velocity) {
 
 std::string_view name_of(Outcome outcome) {
   switch (outcome) {
-    case Outcome::settles: return "settles";
-    case Outcome::limit_cycle: return "limit_cycle";
-    case Outcome::diverges: break;
+    case Outcome::settles:
+      return "settles";
+    case Outcome::limit_cycle:
+      return "limit_cycle";
+    case Outcome::diverges:
+      break;
   }
   return "diverges";
 }
 
-Classification classify(const std::vector<double>& position, const std::vector<double>& velocity, double period,
-                        bool stopped_early, const ClassificationOptions& options) {
+Classification classify(const std::vector<double>& position, const std::vector<double>& velocity,
+                        double period, bool stopped_early, const ClassificationOptions& options) {
   Classification c;
   const std::span<const double> all(velocity);
   const std::size_t third = velocity.size() / 3;
@@ -92,7 +96,8 @@ Classification classify(const std::vector<double>& position, const std::vector<d
     const double sixth = static_cast<double>(velocity.size()) / 6;
     const double ratio = cycles.front().swing > 0 ? cycles.back().swing / cycles.front().swing : 0;
     c.growth = std::pow(ratio, sixth / between);
-    c.frequency_hz = static_cast<double>(cycles.size()) / ((cycles.back().end - cycles.front().start) * period);
+    c.frequency_hz =
+        static_cast<double>(cycles.size()) / ((cycles.back().end - cycles.front().start) * period);
   } else {
     c.growth = find_steady_growth(all);
   }

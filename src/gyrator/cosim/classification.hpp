@@ -18,7 +18,8 @@ std::string_view name_of(Outcome outcome);
 /// anywhere the motion does not oscillate: its growth is the ratio of its sizes in the last two
 /// sixths, and counts only if it has grown from sixth to sixth without slowing down.
 /// Diverges above `growth_limit`, or where the run was stopped; settles below 1/`growth_limit`, or
-/// where the last swing is below `rest_fraction` of the run's largest; else a sustained oscillation.
+/// where the last swing is below `rest_fraction` of the run's largest; else a sustained
+/// oscillation.
 struct ClassificationOptions {
   double growth_limit = 1.02;
   double rest_fraction = 1e-4;
@@ -33,7 +34,8 @@ struct Classification {
 
 /// `position` and `velocity` at equal spacing `period` [s]; `stopped_early` when the run was
 /// stopped because it had grown out of all bounds.
-Classification classify(const std::vector<double>& position, const std::vector<double>& velocity, double period,
-                        bool stopped_early, const ClassificationOptions& options = {});
+Classification classify(const std::vector<double>& position, const std::vector<double>& velocity,
+                        double period, bool stopped_early,
+                        const ClassificationOptions& options = {});
 
 }  // namespace gyrator

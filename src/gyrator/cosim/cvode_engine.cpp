@@ -1,9 +1,13 @@
-#include <cmath>
-#include <exception>
-#include <utility>
+#include "gyrator/circuits/state_space.hpp"
+#include "gyrator/core/error.hpp"
+#include "gyrator/cosim/engine.hpp"
+
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <exception>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <cvode/cvode.h>
@@ -13,10 +17,6 @@
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
-
-#include "gyrator/circuits/state_space.hpp"
-#include "gyrator/core/error.hpp"
-#include "gyrator/cosim/engine.hpp"
 
 namespace gyrator {
 namespace {
@@ -44,7 +44,8 @@ using CvodeMemory = std::unique_ptr<void, CvodeFree>;
 using Vector = std::unique_ptr<std::remove_pointer_t<N_Vector>, VectorFree>;
 using Matrix = std::unique_ptr<std::remove_pointer_t<SUNMatrix>, MatrixFree>;
 using LinearSolver = std::unique_ptr<std::remove_pointer_t<SUNLinearSolver>, LinearSolverFree>;
-using NonlinearSolver = std::unique_ptr<std::remove_pointer_t<SUNNonlinearSolver>, NonlinearSolverFree>;
+using NonlinearSolver =
+    std::unique_ptr<std::remove_pointer_t<SUNNonlinearSolver>, NonlinearSolverFree>;
 
 // SUNDIALS CVODE over y = [ξ; operator work; source work; heat]: the energies are integrated with
 // the motion and under the same error control. Restarted at every edge of the hold, never
@@ -52,7 +53,12 @@ using NonlinearSolver = std::unique_ptr<std::remove_pointer_t<SUNNonlinearSolver
 class CvodeEngine final : public Engine {
  public:
   CvodeEngine(const Plant& plant, const EngineOptions& options)
-      : plant_(plant), options_(options), n_(plant.states()), size_(plant.states() + 3), z_(plant.states() + 2), scales_(plant_) {
+      : plant_(plant),
+        options_(options),
+        n_(plant.states()),
+        size_(plant.states() + 3),
+        z_(plant.states() + 2),
+        scales_(plant_) {
     forms_[0] = plant.energy.operator_work;
     forms_[1] = plant.energy.source;
     forms_[2] = plant.energy.dissipated;
@@ -102,11 +108,13 @@ class CvodeEngine final : public Engine {
     if (stiff) {
       matrix_.reset(SUNDenseMatrix(size_, size_, context_));
       linear_solver_.reset(SUNLinSol_Dense(y_.get(), matrix_.get(), context_));
-      check(CVodeSetLinearSolver(memory_.get(), linear_solver_.get(), matrix_.get()), "CVodeSetLinearSolver", 0);
+      check(CVodeSetLinearSolver(memory_.get(), linear_solver_.get(), matrix_.get()),
+            "CVodeSetLinearSolver", 0);
       check(CVodeSetJacFn(memory_.get(), jacobian), "CVodeSetJacFn", 0);
     } else {
       nonlinear_solver_.reset(SUNNonlinSol_FixedPoint(y_.get(), 0, context_));
-      check(CVodeSetNonlinearSolver(memory_.get(), nonlinear_solver_.get()), "CVodeSetNonlinearSolver", 0);
+      check(CVodeSetNonlinearSolver(memory_.get(), nonlinear_solver_.get()),
+            "CVodeSetNonlinearSolver", 0);
     }
   }
 
@@ -122,10 +130,12 @@ class CvodeEngine final : public Engine {
 
   void check(int flag, const char* function, double time) const {
     if (flag >= 0) return;
-    throw Error(ErrorCode::numerical, fmt::format("t = {:.9g} s", time),
-                fmt::format("the cvode engine gave up ({} returned {}{}{}); use the exact engine, or raise "
-                            "--max-steps or the tolerance",
-                            function, CVodeGetReturnFlagName(flag), message_.empty() ? "" : ": ", message_));
+    throw Error(
+        ErrorCode::numerical, fmt::format("t = {:.9g} s", time),
+        fmt::format("the cvode engine gave up ({} returned {}{}{}); use the exact engine, or raise "
+                    "--max-steps or the tolerance",
+                    function, CVodeGetReturnFlagName(flag), message_.empty() ? "" : ": ",
+                    message_));
   }
 
   // C callbacks. Nothing is thrown through SUNDIALS: an exception is kept and rethrown after.
@@ -162,8 +172,8 @@ class CvodeEngine final : public Engine {
     }
   }
 
-  static int jacobian(double /*t*/, N_Vector y, N_Vector /*fy*/, SUNMatrix J, void* self_pointer, N_Vector, N_Vector,
-                      N_Vector) {
+  static int jacobian(double /*t*/, N_Vector y, N_Vector /*fy*/, SUNMatrix J, void* self_pointer,
+                      N_Vector, N_Vector, N_Vector) {
     auto& self = *static_cast<CvodeEngine*>(self_pointer);
     const Eigen::Index n = self.n_;
     const Eigen::Map<const Eigen::VectorXd> state(N_VGetArrayPointer(y), n);
@@ -173,7 +183,8 @@ class CvodeEngine final : public Engine {
     out.topLeftCorner(n, n) = self.plant_.A;
     if (self.options_.ledger) {
       for (std::size_t f = 0; f < 3; ++f) {
-        out.row(n + static_cast<Eigen::Index>(f)).head(n) = 2 * (self.forms_[f] * self.z_).head(n).transpose();
+        out.row(n + static_cast<Eigen::Index>(f)).head(n) =
+            2 * (self.forms_[f] * self.z_).head(n).transpose();
       }
     }
     return 0;
@@ -189,7 +200,8 @@ class CvodeEngine final : public Engine {
     return 0;
   }
 
-  static void keep_message(int code, const char* /*module*/, const char* /*function*/, char* message, void* self) {
+  static void keep_message(int code, const char* /*module*/, const char* /*function*/,
+                           char* message, void* self) {
     if (code < 0) static_cast<CvodeEngine*>(self)->message_ = message;
   }
 

@@ -1,24 +1,29 @@
 #include "gyrator/cosim/engine.hpp"
 
+#include "gyrator/circuits/state_space.hpp"
+
 #include <algorithm>
 #include <cmath>
 
-#include "gyrator/circuits/state_space.hpp"
-
 namespace gyrator {
 
-std::unique_ptr<Engine> make_engine(EngineKind kind, const Plant& plant, const EngineOptions& options) {
+std::unique_ptr<Engine> make_engine(EngineKind kind, const Plant& plant,
+                                    const EngineOptions& options) {
   switch (kind) {
-    case EngineKind::cvode: return make_cvode_engine(plant, options);
-    case EngineKind::odeint: return make_odeint_engine(plant, options);
-    case EngineKind::exact: break;
+    case EngineKind::cvode:
+      return make_cvode_engine(plant, options);
+    case EngineKind::odeint:
+      return make_odeint_engine(plant, options);
+    case EngineKind::exact:
+      break;
   }
   return make_exact_engine(plant, options);
 }
 
 namespace {
 
-Eigen::VectorXd compute_state_scales(const Plant& plant, double energy, const Eigen::Vector2d& u, double interval) {
+Eigen::VectorXd compute_state_scales(const Plant& plant, double energy, const Eigen::Vector2d& u,
+                                     double interval) {
   const Eigen::Index n = plant.states();
   Eigen::VectorXd scales = Eigen::VectorXd::Zero(n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -56,8 +61,10 @@ void StateScales::update(const Eigen::VectorXd& xi, const Eigen::Vector2d& u, do
   }
   if (energy > energy_ || states_.size() == 0) {
     energy_ = energy;
-    const Eigen::VectorXd scales = compute_state_scales(plant_, energy > 0 ? energy : 1, u, interval);
-    states_ = states_.size() == 0 || energy == 0 ? scales : Eigen::VectorXd(states_.cwiseMax(scales));
+    const Eigen::VectorXd scales =
+        compute_state_scales(plant_, energy > 0 ? energy : 1, u, interval);
+    states_ =
+        states_.size() == 0 || energy == 0 ? scales : Eigen::VectorXd(states_.cwiseMax(scales));
   }
   states_ = states_.cwiseMax(xi.cwiseAbs());
 }

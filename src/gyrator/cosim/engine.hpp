@@ -1,11 +1,11 @@
 #pragma once
 
+#include "gyrator/mechanics/plant.hpp"
+
 #include <memory>
 #include <string_view>
 
 #include <Eigen/Dense>
-
-#include "gyrator/mechanics/plant.hpp"
 
 namespace gyrator {
 
@@ -46,7 +46,8 @@ struct EngineOptions {
   long max_steps = 100000;           ///< of cvode and odeint, per segment
 };
 
-std::unique_ptr<Engine> make_engine(EngineKind kind, const Plant& plant, const EngineOptions& options);
+std::unique_ptr<Engine> make_engine(EngineKind kind, const Plant& plant,
+                                    const EngineOptions& options);
 
 std::unique_ptr<Engine> make_exact_engine(const Plant& plant, const EngineOptions& options);
 std::unique_ptr<Engine> make_cvode_engine(const Plant& plant, const EngineOptions& options);

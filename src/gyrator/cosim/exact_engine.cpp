@@ -1,7 +1,7 @@
-#include <vector>
-
 #include "gyrator/circuits/state_space.hpp"
 #include "gyrator/cosim/engine.hpp"
+
+#include <vector>
 
 namespace gyrator {
 namespace {
@@ -24,8 +24,8 @@ class ExactEngine final : public Engine {
       const Eigen::Index size = n_ + 2;
       const auto& e = plant_.energy;
       segment.energies.resize(3, size * (size + 1) / 2);
-      const auto integrals =
-          integrate_quadratic_forms(plant_.A, plant_.B, {e.operator_work, e.source, e.dissipated}, interval);
+      const auto integrals = integrate_quadratic_forms(
+          plant_.A, plant_.B, {e.operator_work, e.source, e.dissipated}, interval);
       for (Eigen::Index row = 0; row < 3; ++row) {
         segment.energies.row(row) = pack(integrals[static_cast<std::size_t>(row)]);
       }
@@ -56,7 +56,7 @@ class ExactEngine final : public Engine {
  private:
   struct Segment {
     double interval;
-    Eigen::MatrixXd propagate;                  // [phi gamma]
+    Eigen::MatrixXd propagate;                          // [phi gamma]
     Eigen::Matrix<double, 3, Eigen::Dynamic> energies;  // packed upper triangles
   };
 
@@ -65,7 +65,8 @@ class ExactEngine final : public Engine {
     Eigen::RowVectorXd packed(form.rows() * (form.rows() + 1) / 2);
     Eigen::Index at = 0;
     for (Eigen::Index i = 0; i < form.rows(); ++i) {
-      for (Eigen::Index j = i; j < form.cols(); ++j) packed(at++) = i == j ? form(i, i) : form(i, j) + form(j, i);
+      for (Eigen::Index j = i; j < form.cols(); ++j)
+        packed(at++) = i == j ? form(i, i) : form(i, j) + form(j, i);
     }
     return packed;
   }

@@ -1,12 +1,12 @@
+#include "gyrator/core/error.hpp"
+#include "gyrator/cosim/engine.hpp"
+
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include <boost/numeric/odeint.hpp>
 #include <fmt/core.h>
-
-#include "gyrator/core/error.hpp"
-#include "gyrator/cosim/engine.hpp"
 
 namespace gyrator {
 namespace {
@@ -18,7 +18,12 @@ namespace odeint = boost::numeric::odeint;
 class OdeintEngine final : public Engine {
  public:
   OdeintEngine(const Plant& plant, const EngineOptions& options)
-      : plant_(plant), options_(options), n_(static_cast<std::size_t>(plant.states())), y_(n_ + 3), z_(plant.states() + 2), sizes_(plant_) {}
+      : plant_(plant),
+        options_(options),
+        n_(static_cast<std::size_t>(plant.states())),
+        y_(n_ + 3),
+        z_(plant.states() + 2),
+        sizes_(plant_) {}
 
   int prepare(double interval) override {
     intervals_.push_back(interval);
@@ -31,7 +36,8 @@ class OdeintEngine final : public Engine {
     sizes_.update(state.xi, u, interval);
     const Eigen::VectorXd& scales = sizes_.states();
     const double energy_scale = sizes_.energy() > 0 ? sizes_.energy() : 1;
-    for (std::size_t i = 0; i < n_; ++i) y_[i] = state.xi(static_cast<Eigen::Index>(i)) / scales(static_cast<Eigen::Index>(i));
+    for (std::size_t i = 0; i < n_; ++i)
+      y_[i] = state.xi(static_cast<Eigen::Index>(i)) / scales(static_cast<Eigen::Index>(i));
     for (std::size_t i = 0; i < 3; ++i) y_[n_ + i] = 0;
 
     const auto rhs = [&](const std::vector<double>& y, std::vector<double>& dydt, double /*t*/) {
@@ -53,13 +59,15 @@ class OdeintEngine final : public Engine {
       if (steps >= options_.max_steps) give_up(time + t, "too many steps", steps);
       h = std::min(h, interval - t);
       const double before = t;
-      if (stepper.try_step(rhs, y_, t, h) == odeint::success && t == before) give_up(time + t, "step underflow", steps);
+      if (stepper.try_step(rhs, y_, t, h) == odeint::success && t == before)
+        give_up(time + t, "step underflow", steps);
       if (!(h > interval * 1e-14)) {
         if (interval - t <= interval * 1e-14) break;
         give_up(time + t, "step underflow", steps);
       }
     }
-    for (std::size_t i = 0; i < n_; ++i) state.xi(static_cast<Eigen::Index>(i)) = y_[i] * scales(static_cast<Eigen::Index>(i));
+    for (std::size_t i = 0; i < n_; ++i)
+      state.xi(static_cast<Eigen::Index>(i)) = y_[i] * scales(static_cast<Eigen::Index>(i));
     state.operator_work += y_[n_] * energy_scale;
     state.source_work += y_[n_ + 1] * energy_scale;
     state.dissipated += y_[n_ + 2] * energy_scale;
@@ -67,10 +75,12 @@ class OdeintEngine final : public Engine {
 
  private:
   [[noreturn]] static void give_up(double time, const char* why, long steps) {
-    throw Error(ErrorCode::numerical, fmt::format("t = {:.9g} s", time),
-                fmt::format("the odeint engine gave up after {} steps in one segment: {}; use the exact or cvode "
-                            "engine, or raise --max-steps",
-                            steps, why));
+    throw Error(
+        ErrorCode::numerical, fmt::format("t = {:.9g} s", time),
+        fmt::format(
+            "the odeint engine gave up after {} steps in one segment: {}; use the exact or cvode "
+            "engine, or raise --max-steps",
+            steps, why));
   }
 
   const Plant plant_;

@@ -1,12 +1,12 @@
 #include "gyrator/cosim/sampled_plant.hpp"
 
+#include "gyrator/core/error.hpp"
+
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include <fmt/core.h>
-
-#include "gyrator/core/error.hpp"
 
 namespace gyrator {
 
@@ -23,19 +23,22 @@ SplitDelay split_delay(const Sampling& sampling) {
 SampledPlant sample_plant(const Plant& plant, const Sampling& sampling) {
   if (plant.sensor_position.input.cwiseAbs().maxCoeff() > 0) {
     throw Error(ErrorCode::numerical, "sensor",
-                "the sensed position would jump with the command; the drive needs a bandwidth or the shaft an inertia");
+                "the sensed position would jump with the command; the drive needs a bandwidth or "
+                "the shaft an inertia");
   }
   SampledPlant sampled;
   sampled.delay = split_delay(sampling);
   if (sampled.delay.whole > most_sampled_delay_periods) {
-    throw Error(ErrorCode::bad_input, "sampling/delay",
-                fmt::format("{:g} s, {} sample periods: the loop's eigenvalues are computed for at most {}",
-                            sampling.delay.to_double(), sampled.delay.whole, most_sampled_delay_periods));
+    throw Error(
+        ErrorCode::bad_input, "sampling/delay",
+        fmt::format("{:g} s, {} sample periods: the loop's eigenvalues are computed for at most {}",
+                    sampling.delay.to_double(), sampled.delay.whole, most_sampled_delay_periods));
   }
   sampled.sense = plant.sensor_position.state;
   const MatrixXd command = plant.B.col(0);
   const HeldStep first = discretize_held(plant.A, command, sampled.delay.rest);
-  const HeldStep second = discretize_held(plant.A, command, sampled.delay.period - sampled.delay.rest);
+  const HeldStep second =
+      discretize_held(plant.A, command, sampled.delay.period - sampled.delay.rest);
   sampled.phi = second.phi * first.phi;
   sampled.late = second.phi * first.gamma;
   sampled.recent = second.gamma;
@@ -46,7 +49,8 @@ MatrixXd build_loop_matrix(const SampledPlant& plant, const DiscreteStateSpace& 
   const Index n = plant.phi.rows();
   const Index nq = law.states();
   const bool fractional = plant.delay.rest > 0;
-  const Index held = static_cast<Index>(plant.delay.whole) + (fractional ? 1 : 0);  // u[k-1] … u[k-held]
+  const Index held =
+      static_cast<Index>(plant.delay.whole) + (fractional ? 1 : 0);  // u[k-1] … u[k-held]
   const Index q0 = n;
   const Index u0 = n + nq;
   MatrixXd loop = MatrixXd::Zero(u0 + held, u0 + held);

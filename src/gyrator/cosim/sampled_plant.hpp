@@ -1,10 +1,10 @@
 #pragma once
 
-#include <Eigen/Dense>
-
 #include "gyrator/controllers/discrete_state_space.hpp"
 #include "gyrator/controllers/sampling.hpp"
 #include "gyrator/mechanics/plant.hpp"
+
+#include <Eigen/Dense>
 
 namespace gyrator {
 

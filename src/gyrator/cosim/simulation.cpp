@@ -1,14 +1,14 @@
 #include "gyrator/cosim/simulation.hpp"
 
+#include "gyrator/core/error.hpp"
+#include "gyrator/core/interrupt.hpp"
+#include "gyrator/cosim/sampled_plant.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-
-#include "gyrator/core/error.hpp"
-#include "gyrator/core/interrupt.hpp"
-#include "gyrator/cosim/sampled_plant.hpp"
 
 namespace gyrator {
 namespace {
@@ -43,8 +43,8 @@ class CommandLine {
 
 class Run {
  public:
-  Run(const Plant& plant, const Sensor& sensor, const Controller& controller, const Sampling& sampling,
-      const SimulationOptions& options)
+  Run(const Plant& plant, const Sensor& sensor, const Controller& controller,
+      const Sampling& sampling, const SimulationOptions& options)
       : plant_(plant),
         sensor_(sensor),
         sampling_(sampling),
@@ -57,11 +57,12 @@ class Run {
         steps_(floor_divide(options.duration, sampling.period)) {
     if (steps_ < 1) {
       throw Error(ErrorCode::bad_input, "simulation/duration",
-                  fmt::format("{:g} s: must be at least one sample period, {:g} s", options.duration.to_double(),
-                              sampling.period.to_double()));
+                  fmt::format("{:g} s: must be at least one sample period, {:g} s",
+                              options.duration.to_double(), sampling.period.to_double()));
     }
     if (std::abs(plant.sensor_position.input(0)) > 0) {
-      throw Error(ErrorCode::numerical, "sensor", "the sensed position would jump with the command");
+      throw Error(ErrorCode::numerical, "sensor",
+                  "the sensed position would jump with the command");
     }
     state_.xi = plant.initial_state(options.initial_position, options.initial_velocity);
     jumps_cost_energy_ = !plant.energy.source_jump.isZero(0);
@@ -83,7 +84,8 @@ class Run {
       const double command = controller_.step(measured);
       const double next = line_.pass(command);
       const double t = time_at(k);
-      if (recording_ && k % options_.record_every == 0) record(t, measured, command, split ? u_(0) : next);
+      if (recording_ && k % options_.record_every == 0)
+        record(t, measured, command, split ? u_(0) : next);
       if (in_between) {
         advance_in_between(k, next, measured, command);
       } else if (split) {
@@ -95,7 +97,8 @@ class Run {
         engine_->advance(whole, t, u_, state_);
       }
       if (k % samples_between_checks == 0) check_size(k);
-      if (options_.on_progress && k % samples_between_reports == 0 && k > 0) options_.on_progress(samples_between_reports);
+      if (options_.on_progress && k % samples_between_reports == 0 && k > 0)
+        options_.on_progress(samples_between_reports);
     }
     finish(k);
     return std::move(run_);
@@ -104,8 +107,9 @@ class Run {
  private:
   static std::int64_t checked_delay(std::int64_t periods) {
     if (periods <= most_delay_periods) return periods;
-    throw Error(ErrorCode::bad_input, "sampling/delay",
-                fmt::format("{} sample periods: at most {} can be simulated", periods, most_delay_periods));
+    throw Error(
+        ErrorCode::bad_input, "sampling/delay",
+        fmt::format("{} sample periods: at most {} can be simulated", periods, most_delay_periods));
   }
 
   // k num / den, correctly rounded while k num is below 2^53.
@@ -161,17 +165,23 @@ class Run {
     }
     if (plant_.port_effort.input(0) != 0) names.emplace_back("effort_after");
     if (options_.engine_options.ledger) {
-      names.insert(names.end(), {"energy_operator", "energy_source", "energy_stored", "energy_dissipated"});
+      names.insert(names.end(),
+                   {"energy_operator", "energy_source", "energy_stored", "energy_dissipated"});
     }
     run_.trace.columns.assign(names.size(), {});
-    const double step = options_.trace_step ? std::min(options_.trace_step->to_double(), delay_.period) : delay_.period;
-    const double rows = delay_.period * static_cast<double>(steps_) / step / static_cast<double>(options_.record_every);
+    const double step = options_.trace_step
+                            ? std::min(options_.trace_step->to_double(), delay_.period)
+                            : delay_.period;
+    const double rows = delay_.period * static_cast<double>(steps_) / step /
+                        static_cast<double>(options_.record_every);
     const double bytes = rows * static_cast<double>(names.size() * sizeof(double));
     if (recording_ && bytes > most_trace_bytes) {
-      throw Error(ErrorCode::bad_input, "simulation/duration",
-                  fmt::format("{:g} s: the trace would have {:.3g} rows and take {:.3g} GB of memory: at most {:g} GB; "
-                              "shorten the duration or lengthen the trace step",
-                              options_.duration.to_double(), rows, bytes * 1e-9, most_trace_bytes * 1e-9));
+      throw Error(
+          ErrorCode::bad_input, "simulation/duration",
+          fmt::format("{:g} s: the trace would have {:.3g} rows and take {:.3g} GB of memory: at "
+                      "most {:g} GB; "
+                      "shorten the duration or lengthen the trace step",
+                      options_.duration.to_double(), rows, bytes * 1e-9, most_trace_bytes * 1e-9));
     }
     if (recording_ && !options_.trace_step) {
       for (auto& column : run_.trace.columns) column.reserve(static_cast<std::size_t>(steps_) + 1);
@@ -250,7 +260,7 @@ class Run {
     }
     run_.classification =
         classify(position, velocity, delay_.period * static_cast<double>(options_.record_every),
-                                   run_.stopped_early, options_.classification);
+                 run_.stopped_early, options_.classification);
   }
 
   const Plant& plant_;
@@ -282,8 +292,8 @@ const std::vector<double>& Trace::column(const std::string& name) const {
   return columns[static_cast<std::size_t>(it - names.begin())];
 }
 
-TimeRun simulate(const Plant& plant, const Sensor& sensor, const Controller& controller, const Sampling& sampling,
-                 const SimulationOptions& options) {
+TimeRun simulate(const Plant& plant, const Sensor& sensor, const Controller& controller,
+                 const Sampling& sampling, const SimulationOptions& options) {
   return Run(plant, sensor, controller, sampling, options).go();
 }
 

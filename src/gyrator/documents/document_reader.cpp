@@ -270,8 +270,8 @@ class Reader {
         if (has_key)
           owner_of_key = fmt::format(" for '{}' (it belongs to '{}')", spec.name, other.name);
       }
-      refuse(at / key, fmt::format("unknown key '{}'{}: allowed: {}{}", shorten(key),
-                                   owner_of_key, known.empty() ? "none" : join(known),
+      refuse(at / key, fmt::format("unknown key '{}'{}: allowed: {}{}", shorten(key), owner_of_key,
+                                   known.empty() ? "none" : join(known),
                                    owner_of_key.empty() ? suggest_name(key, known) : ""));
     }
   }

@@ -59,17 +59,20 @@ std::string describe_rule(std::string_view context) {
 
 // The parser's message, "syntax error while parsing object key - unexpected '}'; expected string
 // literal", in words that need no knowledge of parsers.
-std::string describe_syntax_error(std::string_view what, std::string_view text, std::size_t offset) {
+std::string describe_syntax_error(std::string_view what, std::string_view text,
+                                  std::size_t offset) {
   constexpr std::string_view lead = "syntax error while parsing ";
   const std::size_t dash = what.find(" - ");
   if (!what.starts_with(lead) || dash == std::string_view::npos) return std::string(what);
   const std::string rule = describe_rule(what.substr(lead.size(), dash - lead.size()));
   std::string_view found = what.substr(dash + 3, what.find(';', dash) - dash - 3);
   constexpr std::string_view literal = " literal";
-  if (found.starts_with("unexpected") && found.ends_with(literal)) found.remove_suffix(literal.size());
+  if (found.starts_with("unexpected") && found.ends_with(literal))
+    found.remove_suffix(literal.size());
   const std::string_view before = trim(text.substr(0, offset));
   if (found == "unexpected end of input") return "the file ends too early: " + rule;
-  if (text.substr(offset).starts_with('/') || text.substr(offset).starts_with('#')) return "JSON has no comments";
+  if (text.substr(offset).starts_with('/') || text.substr(offset).starts_with('#'))
+    return "JSON has no comments";
   const bool at_end = found == "unexpected '}'" || found == "unexpected ']'";
   if (at_end && before.ends_with(',')) return "a comma after the last item: JSON allows none there";
   if (found.starts_with("unexpected") || found == "invalid literal") {
@@ -140,8 +143,9 @@ class JsonChecker : public nlohmann::json_sax<nlohmann::json> {
     if (const Word word = find_word(text_, offset); is_not_finite(word.text)) {
       const std::string pointer = levels_.empty() ? "/" : write_pointer();
       refuse(name_ + ": " + pointer,
-             describe_position(text_, word.start,
-                               fmt::format("{} is no JSON number: a finite number is expected", word.text)));
+             describe_position(
+                 text_, word.start,
+                 fmt::format("{} is no JSON number: a finite number is expected", word.text)));
     }
     refuse(name_, describe_position(text_, offset, describe_syntax_error(what, text_, offset)));
   }

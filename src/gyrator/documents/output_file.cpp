@@ -78,7 +78,8 @@ void OutputFile::commit() {
 void check_writable(const std::string& path) {
   std::error_code ignored;
   const auto status = std::filesystem::status(path, ignored);
-  const bool is_direct = std::filesystem::exists(status) && !std::filesystem::is_directory(status) &&
+  const bool is_direct = std::filesystem::exists(status) &&
+                         !std::filesystem::is_directory(status) &&
                          !std::filesystem::is_regular_file(status);
   if (!is_direct) {
     const OutputFile probe(path);

@@ -1,10 +1,10 @@
 #include "gyrator/mechanics/device.hpp"
 
+#include "gyrator/core/error.hpp"
+
 #include <cmath>
 
 #include <fmt/core.h>
-
-#include "gyrator/core/error.hpp"
 
 namespace gyrator {
 namespace {
@@ -12,19 +12,25 @@ namespace {
 void add_operator(DeviceNetwork& d, const Operator& held_by) {
   Network& network = d.network;
   const NodeId hand = network.add_node("operator.hand", Domain::mechanical);
-  d.operator_ammeter = network.add("operator.ammeter", hand, d.port, VoltageSource{}, Role::operator_side);
-  network.add("operator.external_effort", ground, hand, CurrentSource{d.external_effort}, Role::operator_side);
+  d.operator_ammeter =
+      network.add("operator.ammeter", hand, d.port, VoltageSource{}, Role::operator_side);
+  network.add("operator.external_effort", ground, hand, CurrentSource{d.external_effort},
+              Role::operator_side);
   if (std::holds_alternative<ClampedOperator>(held_by)) {
     network.add("operator.clamp", hand, ground, VoltageSource{}, Role::operator_side);
   } else if (const auto* arm = std::get_if<MassSpringDamper>(&held_by)) {
     const auto role = Role::operator_side;
-    if (arm->inertia > 0) network.add("operator.inertia", hand, ground, Capacitor{arm->inertia}, role);
-    if (arm->damping > 0) network.add("operator.damping", hand, ground, Conductance{arm->damping}, role);
-    if (arm->stiffness > 0) network.add("operator.stiffness", hand, ground, Inductor{1 / arm->stiffness}, role);
+    if (arm->inertia > 0)
+      network.add("operator.inertia", hand, ground, Capacitor{arm->inertia}, role);
+    if (arm->damping > 0)
+      network.add("operator.damping", hand, ground, Conductance{arm->damping}, role);
+    if (arm->stiffness > 0)
+      network.add("operator.stiffness", hand, ground, Inductor{1 / arm->stiffness}, role);
     for (std::size_t i = 0; i < arm->resonators.size(); ++i) {
       const std::string name = fmt::format("operator.resonator.{}", i);
       const NodeId mass = network.add_node(name, Domain::mechanical);
-      network.add(name + ".stiffness", hand, mass, Inductor{1 / arm->resonators[i].stiffness}, role);
+      network.add(name + ".stiffness", hand, mass, Inductor{1 / arm->resonators[i].stiffness},
+                  role);
       network.add(name + ".inertia", mass, ground, Capacitor{arm->resonators[i].inertia}, role);
     }
   }
@@ -49,7 +55,8 @@ DeviceNetwork build_with_gain(const Device& device, const Operator& held_by, dou
   if (mechanics.transmission) {
     const Transmission& t = *mechanics.transmission;
     d.port = network.add_node("port", Domain::mechanical);
-    network.add("mechanics.transmission.stiffness", d.motor_shaft, d.port, Inductor{1 / t.stiffness});
+    network.add("mechanics.transmission.stiffness", d.motor_shaft, d.port,
+                Inductor{1 / t.stiffness});
     if (t.damping > 0) {
       network.add("mechanics.transmission.damping", d.motor_shaft, d.port, Conductance{t.damping});
     }
@@ -83,7 +90,8 @@ DeviceNetwork build_device_network(const Device& device, const Operator& held_by
   const double dc_gain = compute_dc_gain(device);
   if (!std::isfinite(dc_gain) || std::abs(dc_gain) < 1e-12) {
     throw Error(ErrorCode::bad_input, "amplifier",
-                "no steady effort reaches the shaft: the command cannot be scaled to the blocked effort at DC; "
+                "no steady effort reaches the shaft: the command cannot be scaled to the blocked "
+                "effort at DC; "
                 "a damping circuit shorts the motor or a capacitor blocks it");
   }
   return build_with_gain(device, held_by, 1.0 / dc_gain);

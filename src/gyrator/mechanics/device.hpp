@@ -1,11 +1,11 @@
 #pragma once
 
+#include "gyrator/circuits/descriptor.hpp"
+#include "gyrator/circuits/drive.hpp"
+
 #include <optional>
 #include <variant>
 #include <vector>
-
-#include "gyrator/circuits/descriptor.hpp"
-#include "gyrator/circuits/drive.hpp"
 
 namespace gyrator {
 
@@ -72,12 +72,12 @@ struct DeviceNetwork {
   Network network;
   int command = 0;
   int external_effort = 1;
-  NodeId port;               ///< mechanical node that the operator holds
-  NodeId motor_shaft;        ///< differs from port behind a compliant transmission
-  NodeId sensed;             ///< port or motor_shaft
+  NodeId port;                 ///< mechanical node that the operator holds
+  NodeId motor_shaft;          ///< differs from port behind a compliant transmission
+  NodeId sensed;               ///< port or motor_shaft
   ElementId operator_ammeter;  ///< effort from the operator into the device
   DriveTaps drive;
-  bool collocated = true;    ///< the sensor sees the port's motion itself
+  bool collocated = true;  ///< the sensor sees the port's motion itself
 };
 
 /// Builds the network. The command is scaled so that at DC the blocked effort equals it; throws

@@ -1,12 +1,12 @@
 #include "gyrator/mechanics/plant.hpp"
 
+#include "gyrator/core/error.hpp"
+
 #include <cmath>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
 #include <fmt/core.h>
-
-#include "gyrator/core/error.hpp"
 
 namespace gyrator {
 namespace {
@@ -34,7 +34,8 @@ RowVectorXd grow(const RowVectorXd& row) {
 }
 
 // A row g with g A = velocity and g B = velocity_input, where the state holds the position already.
-std::optional<RowVectorXd> find_held_position(const MatrixXd& A, const MatrixXd& B, const Signal& velocity) {
+std::optional<RowVectorXd> find_held_position(const MatrixXd& A, const MatrixXd& B,
+                                              const Signal& velocity) {
   const Index n = A.rows();
   if (n == 0) return std::nullopt;
   MatrixXd equations(A.cols() + B.cols(), n);
@@ -60,7 +61,8 @@ std::optional<RowVectorXd> find_held_position(const MatrixXd& A, const MatrixXd&
 }
 
 // Position as the integral of a velocity: held by the state, or appended as a state of its own.
-Signal append_position(Plant& plant, std::string name, const Signal& velocity, std::vector<Signal*> signals) {
+Signal append_position(Plant& plant, std::string name, const Signal& velocity,
+                       std::vector<Signal*> signals) {
   if (const auto held = find_held_position(plant.A, plant.B, velocity)) {
     return {std::move(name), *held, RowVectorXd::Zero(plant.B.cols())};
   }
@@ -83,13 +85,17 @@ Signal append_position(Plant& plant, std::string name, const Signal& velocity, s
   return {std::move(name), row, RowVectorXd::Zero(plant.B.cols())};
 }
 
-Signal as_signal(std::string name, const ReducedForm& form) { return {std::move(name), form.state, form.input}; }
+Signal as_signal(std::string name, const ReducedForm& form) {
+  return {std::move(name), form.state, form.input};
+}
 
 // Poles of the network and the elements that take part in them.
 class Modes {
  public:
   explicit Modes(const DeviceNetwork& device)
-      : network_(device.network), equations_(device.network), reduction_(reduce(equations_.descriptor())) {
+      : network_(device.network),
+        equations_(device.network),
+        reduction_(reduce(equations_.descriptor())) {
     if (reduction_.A.rows() == 0) return;
     MatrixXd balanced = reduction_.A;
     const VectorXd scale = balance(balanced);
@@ -142,10 +148,12 @@ Plant build_plant(const DeviceNetwork& device) {
 
   const auto read = [&](std::string name, const LinearForm& form) {
     const ReducedForm reduced = reduction.reduce(form);
-    if (!reduced.state.allFinite() || reduced.input_rate.cwiseAbs().maxCoeff() > 1e-9 * (1 + reduced.input.cwiseAbs().maxCoeff())) {
-      throw Error(ErrorCode::numerical, name,
-                  "would need the derivative of the command: a step of it gives an impulse here; add the "
-                  "amplifier's bandwidth, a resistance or a compliance that the real device has");
+    if (!reduced.state.allFinite() || reduced.input_rate.cwiseAbs().maxCoeff() >
+                                          1e-9 * (1 + reduced.input.cwiseAbs().maxCoeff())) {
+      throw Error(
+          ErrorCode::numerical, name,
+          "would need the derivative of the command: a step of it gives an impulse here; add the "
+          "amplifier's bandwidth, a resistance or a compliance that the real device has");
     }
     return as_signal(std::move(name), reduced);
   };
@@ -154,9 +162,11 @@ Plant build_plant(const DeviceNetwork& device) {
   plant.port_effort = read("effort", equations.through(device.operator_ammeter));
   const auto read_if_finite = [&](std::string name, const LinearForm& form) {
     const ReducedForm reduced = reduction.reduce(form);
-    if (reduced.input_rate.isZero(1e-12)) plant.others.push_back(as_signal(std::move(name), reduced));
+    if (reduced.input_rate.isZero(1e-12))
+      plant.others.push_back(as_signal(std::move(name), reduced));
   };
-  if (device.drive.motor_ammeter) read_if_finite("current", equations.through(*device.drive.motor_ammeter));
+  if (device.drive.motor_ammeter)
+    read_if_finite("current", equations.through(*device.drive.motor_ammeter));
   if (device.drive.terminal) read_if_finite("voltage", equations.across(*device.drive.terminal));
 
   // At rest electrically, every inertia at the given velocity: of all unknowns only the
@@ -168,14 +178,16 @@ Plant build_plant(const DeviceNetwork& device) {
   }
   const VectorXd at_velocity = reduction.initialize * moving;
 
-  plant.sensor_position = append_position(plant, "sensor_position", sensor_velocity,
-                                          {&plant.port_velocity, &plant.port_effort, &sensor_velocity});
+  plant.sensor_position =
+      append_position(plant, "sensor_position", sensor_velocity,
+                      {&plant.port_velocity, &plant.port_effort, &sensor_velocity});
   if (device.collocated) {
     plant.port_position = plant.sensor_position;
     plant.port_position.name = "position";
   } else {
-    plant.port_position = append_position(plant, "position", plant.port_velocity,
-                                          {&plant.port_velocity, &plant.port_effort, &plant.sensor_position});
+    plant.port_position =
+        append_position(plant, "position", plant.port_velocity,
+                        {&plant.port_velocity, &plant.port_effort, &plant.sensor_position});
   }
 
   // Initial state: the reduced network's at the velocity, appended positions at the position,
@@ -183,7 +195,8 @@ Plant build_plant(const DeviceNetwork& device) {
   const Index n = plant.A.rows();
   plant.rest = MatrixXd::Zero(n, 2);
   plant.rest.col(1).head(at_velocity.size()) = at_velocity;
-  const MatrixXd positions = (MatrixXd(2, n) << plant.sensor_position.state, plant.port_position.state).finished();
+  const MatrixXd positions =
+      (MatrixXd(2, n) << plant.sensor_position.state, plant.port_position.state).finished();
   // The smallest change of the state that gives both positions and leaves velocities alone: the
   // held-position rows have no part in velocity states, so a minimum-norm solution touches none.
   // Exactly so where one row says it all, and refined once where there are two.
@@ -221,11 +234,14 @@ void require_stable_device(const Device& device) {
     const auto pole = find_unstable_pole(build_device_network(device, held_by));
     if (!pole) continue;
     const bool clamped = std::holds_alternative<ClampedOperator>(held_by);
-    throw Error(ErrorCode::numerical, pole->element,
-                fmt::format("the device alone is unstable with the port {}: pole at {:+.4g} {:+.4g}j rad/s (amplitude "
-                            "doubles every {:.3g} s): the amplifier's loop and this element oscillate; lower the "
-                            "amplifier's bandwidth or add resistance",
-                            clamped ? "clamped" : "free", pole->real, pole->imag, 0.693147 / pole->real));
+    throw Error(
+        ErrorCode::numerical, pole->element,
+        fmt::format(
+            "the device alone is unstable with the port {}: pole at {:+.4g} {:+.4g}j rad/s "
+            "(amplitude "
+            "doubles every {:.3g} s): the amplifier's loop and this element oscillate; lower the "
+            "amplifier's bandwidth or add resistance",
+            clamped ? "clamped" : "free", pole->real, pole->imag, 0.693147 / pole->real));
   }
 }
 

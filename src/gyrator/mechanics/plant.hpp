@@ -1,12 +1,12 @@
 #pragma once
 
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "gyrator/circuits/energy_forms.hpp"
 #include "gyrator/circuits/state_space.hpp"
 #include "gyrator/mechanics/device.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace gyrator {
 
@@ -15,7 +15,9 @@ struct Signal {
   std::string name;
   Eigen::RowVectorXd state, input;
 
-  double value(const Eigen::VectorXd& xi, const Eigen::VectorXd& u) const { return state.dot(xi) + input.dot(u); }
+  double value(const Eigen::VectorXd& xi, const Eigen::VectorXd& u) const {
+    return state.dot(xi) + input.dot(u);
+  }
 };
 
 /// The continuous plant as an ordinary state space with named ports and signals.
@@ -30,7 +32,8 @@ struct Plant {
   Signal port_position, port_velocity, sensor_position, port_effort;
   std::vector<Signal> others;  ///< motor current, terminal voltage where they have no impulse
   EnergyForms energy;          ///< in terms of [ξ; u]
-  Eigen::MatrixXd rest;        ///< initial ξ from (position, velocity) of all inertias, at rest electrically
+  Eigen::MatrixXd
+      rest;  ///< initial ξ from (position, velocity) of all inertias, at rest electrically
 
   Eigen::Index states() const { return A.rows(); }
   Eigen::VectorXd initial_state(double position, double velocity) const {

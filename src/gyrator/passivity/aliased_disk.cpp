@@ -1,5 +1,7 @@
 #include "gyrator/passivity/aliased_disk.hpp"
 
+#include "gyrator/cosim/sampled_plant.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,8 +9,6 @@
 #include <numbers>
 
 #include <boost/math/quadrature/gauss.hpp>
-
-#include "gyrator/cosim/sampled_plant.hpp"
 
 namespace gyrator {
 namespace {
@@ -113,7 +113,8 @@ AliasedDisk::Terms AliasedDisk::collect(double omega) {
   terms.omega = omega;
   terms.aliases.reserve(static_cast<std::size_t>(2 * aliases_) + 24);
   const auto weigh = [&](Term term, double at, double factor) {
-    term.center_weight = -factor * hold * std::polar(1.0, -at * delay_) / (at * at);  // 1/(jw)^2 = -1/w^2
+    term.center_weight =
+        -factor * hold * std::polar(1.0, -at * delay_) / (at * at);  // 1/(jw)^2 = -1/w^2
     term.radius_weight = factor * std::abs(hold) / (at * at);
     return term;
   };
@@ -138,10 +139,12 @@ AliasedDisk::Terms AliasedDisk::collect(double omega) {
       Term term = weigh(make_term(side * at), side * at, factor);
       if (!whole_delay_) term.center_weight = 0;
       // e^(-jw_n t_d) is the same at every alias, but not between them.
-      if (whole_delay_) term.center_weight = -factor * hold * std::polar(1.0, -omega * delay_) / (at * at);
+      if (whole_delay_)
+        term.center_weight = -factor * hold * std::polar(1.0, -omega * delay_) / (at * at);
       terms.aliases.push_back(term);
     };
-    for (const auto& node : gauss_nodes<6>(a, tail_start_)) add(node.x, node.weight / sampling_frequency);
+    for (const auto& node : gauss_nodes<6>(a, tail_start_))
+      add(node.x, node.weight / sampling_frequency);
     for (const double sign : {1.0, -1.0}) {
       add(a + sign * h * sampling_frequency, sign * near_weight);
       add(a + sign * 3 * h * sampling_frequency, sign * far_weight);
@@ -162,7 +165,8 @@ DiskPoint AliasedDisk::evaluate(const Terms& terms, double extra_damping) const 
   for (const Term& term : terms.aliases) {
     const double size = std::abs(term.path);
     const double compliance = size > 0 ? half_over(term) : 0;
-    center += term.center_weight * (term.blocked + (size > 0 ? term.path * compliance : Complex(0)));
+    center +=
+        term.center_weight * (term.blocked + (size > 0 ? term.path * compliance : Complex(0)));
     radius += term.radius_weight * size * compliance;
     if (!whole_delay_ && term.center_weight == Complex(0)) {
       oscillating += term.radius_weight * (std::abs(term.blocked) + size * compliance);
@@ -173,16 +177,19 @@ DiskPoint AliasedDisk::evaluate(const Terms& terms, double extra_damping) const 
   for (const Term& term : tail_) {
     const double size = std::abs(term.path);
     const double compliance = size > 0 ? half_over(term) : 0;
-    tail_center += term.radius_weight * (term.blocked + (size > 0 ? term.path * compliance : Complex(0)));
+    tail_center +=
+        term.radius_weight * (term.blocked + (size > 0 ? term.path * compliance : Complex(0)));
     tail_radius += term.radius_weight * size * compliance;
   }
   // Behind the last panel g ~ w^q: integral of g/w^2 from W is g(W)/(W (1 - q)).
   const double sampling_frequency = 2 * std::numbers::pi / period_;
   const double near = std::abs(far_.path) > 0 ? std::abs(far_.path) * half_over(far_) : 0;
-  const double farther = std::abs(farther_.path) > 0 ? std::abs(farther_.path) * half_over(farther_) : 0;
+  const double farther =
+      std::abs(farther_.path) > 0 ? std::abs(farther_.path) * half_over(farther_) : 0;
   if (near > 0) {
     const double exponent = std::log10(farther / near);
-    const double weight = exponent < 0.95 ? 1 / (far_omega_ * sampling_frequency * (1 - exponent)) : infinity;
+    const double weight =
+        exponent < 0.95 ? 1 / (far_omega_ * sampling_frequency * (1 - exponent)) : infinity;
     tail_center += weight * far_.path * half_over(far_);
     tail_radius += weight * near;
   }
@@ -212,15 +219,18 @@ DiskPoint AliasedDisk::evaluate(const Terms& terms, double extra_damping) const 
     return point;
   }
   point.scaled_center = scaled_base + R * center;
-  point.scaled_gap = std::norm(base.center_weight) *
-                         (R * std::norm(base.blocked) + std::real(std::conj(base.blocked) * base.path)) +
-                     2 * std::real(std::conj(scaled_base) * center) - 2 * scaled_base_radius * radius +
-                     R * (std::norm(center) - radius * radius);
+  point.scaled_gap =
+      std::norm(base.center_weight) *
+          (R * std::norm(base.blocked) + std::real(std::conj(base.blocked) * base.path)) +
+      2 * std::real(std::conj(scaled_base) * center) - 2 * scaled_base_radius * radius +
+      R * (std::norm(center) - radius * radius);
   point.center = R > 0 ? point.scaled_center / R : Complex(infinity, 0);
   point.radius = R > 0 ? scaled_base_radius / R + radius : infinity;
   return point;
 }
 
-DiskPoint AliasedDisk::at(double omega, double extra_damping) { return evaluate(collect(omega), extra_damping); }
+DiskPoint AliasedDisk::at(double omega, double extra_damping) {
+  return evaluate(collect(omega), extra_damping);
+}
 
 }  // namespace gyrator

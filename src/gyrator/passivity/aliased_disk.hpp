@@ -1,11 +1,11 @@
 #pragma once
 
+#include "gyrator/controllers/sampling.hpp"
+#include "gyrator/passivity/port_response.hpp"
+
 #include <complex>
 #include <optional>
 #include <vector>
-
-#include "gyrator/controllers/sampling.hpp"
-#include "gyrator/passivity/port_response.hpp"
 
 namespace gyrator {
 
@@ -91,9 +91,9 @@ class AliasedDisk {
   double delay_;
   bool whole_delay_;
   int aliases_;
-  double tail_start_ = 0;         // [rad/s]
-  std::vector<Term> tail_;        // quadrature of the integral from tail_start_, weights for 1/w^2
-  Term far_, farther_;            // the power law behind the last panel is read off these two
+  double tail_start_ = 0;   // [rad/s]
+  std::vector<Term> tail_;  // quadrature of the integral from tail_start_, weights for 1/w^2
+  Term far_, farther_;      // the power law behind the last panel is read off these two
   double far_omega_ = 0;
   LeastDamping least_;
 };

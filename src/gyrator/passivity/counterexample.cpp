@@ -1,15 +1,15 @@
 #include "gyrator/passivity/counterexample.hpp"
 
+#include "gyrator/core/error.hpp"
+#include "gyrator/core/interrupt.hpp"
+#include "gyrator/cosim/sampled_plant.hpp"
+#include "gyrator/passivity/foster_operator.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <nlopt.hpp>
-
-#include "gyrator/core/error.hpp"
-#include "gyrator/core/interrupt.hpp"
-#include "gyrator/cosim/sampled_plant.hpp"
-#include "gyrator/passivity/foster_operator.hpp"
 
 namespace gyrator {
 namespace {
@@ -30,7 +30,9 @@ constexpr double largest_inertia = 1e5;
 constexpr double largest_stiffness = 1e2;
 constexpr double smallest_part = 1e-7;
 
-bool is_nyquist(double omega, double period) { return std::abs(omega * period - std::numbers::pi) < 1e-9; }
+bool is_nyquist(double omega, double period) {
+  return std::abs(omega * period - std::numbers::pi) < 1e-9;
+}
 
 // The reactance with which the operator turns an alias of complex weight k S A to the wanted angle.
 double find_reactance(const PortResponse& response, Complex weight, double angle) {
@@ -41,7 +43,8 @@ double find_reactance(const PortResponse& response, Complex weight, double angle
 
 // The reactances that turn the `count` strongest aliases (0, -1, 1, -2 …) to the direction in which
 // -1/H lies; at Nyquist those below are the conjugates of those above, and are met with them.
-std::vector<WantedReactance> find_wanted(AliasedDisk& disk, double omega, Complex law, double delay, int count) {
+std::vector<WantedReactance> find_wanted(AliasedDisk& disk, double omega, Complex law, double delay,
+                                         int count) {
   const double sampling_frequency = 2 * std::numbers::pi / disk.period();
   const bool at_nyquist = is_nyquist(omega, disk.period());
   const DiskPoint point = disk.at(omega);
@@ -53,7 +56,8 @@ std::vector<WantedReactance> find_wanted(AliasedDisk& disk, double omega, Comple
     const double at = omega + alias * sampling_frequency;
     const PortResponse r = disk.model().at(std::abs(at));
     // k_n without its positive factor: -(1 - e^(-jwT)) e^(-jw_n t_d)
-    const Complex hold = -(1.0 - std::polar(1.0, -omega * disk.period())) * std::polar(1.0, -at * delay);
+    const Complex hold =
+        -(1.0 - std::polar(1.0, -omega * disk.period())) * std::polar(1.0, -at * delay);
     const Complex path = r.sensor_path * r.actuation;
     // For a negative frequency everything is conjugate.
     wanted.push_back({std::abs(at), at > 0 ? find_reactance(r, hold * path, angle)
@@ -63,7 +67,8 @@ std::vector<WantedReactance> find_wanted(AliasedDisk& disk, double omega, Comple
 }
 
 // Inertia and spring with M w - k/w = X at w, over the free parameter of the family.
-void add_family(const WantedReactance& wanted, double inertia_scale, std::vector<MassSpringDamper>& candidates) {
+void add_family(const WantedReactance& wanted, double inertia_scale,
+                std::vector<MassSpringDamper>& candidates) {
   const double w = wanted.omega;
   const double x = wanted.reactance;
   if (!std::isfinite(x)) return;
@@ -82,7 +87,8 @@ void add_family(const WantedReactance& wanted, double inertia_scale, std::vector
 }
 
 // Inertia and spring that also meet the first alias; none where one would be negative.
-std::optional<MassSpringDamper> solve_both(const WantedReactance& base, const WantedReactance& alias) {
+std::optional<MassSpringDamper> solve_both(const WantedReactance& base,
+                                           const WantedReactance& alias) {
   const double w = base.omega;
   const double v = alias.omega;
   const double x = base.reactance;
@@ -105,7 +111,9 @@ class Search {
     const auto& mechanics = device_.mechanics;
     return mechanics.transmission ? mechanics.transmission->load_inertia : mechanics.inertia;
   }
-  double stiffness_scale() const { return inertia_scale() / std::pow(sampling_.period.to_double(), 2); }
+  double stiffness_scale() const {
+    return inertia_scale() / std::pow(sampling_.period.to_double(), 2);
+  }
 
   MassSpringDamper without_trifles(MassSpringDamper held_by) const {
     if (held_by.inertia < smallest_part * inertia_scale()) held_by.inertia = 0;
@@ -130,7 +138,8 @@ class Search {
   // Leaves out parts that do not matter: a plain inertia says more than one with a weak spring.
   Counterexample simplify(const Counterexample& found) const {
     Counterexample simplest = found;
-    for (double MassSpringDamper::*part : {&MassSpringDamper::stiffness, &MassSpringDamper::inertia}) {
+    for (double MassSpringDamper::*part :
+         {&MassSpringDamper::stiffness, &MassSpringDamper::inertia}) {
       MassSpringDamper without = simplest.held_by;
       without.*part = 0;
       const Counterexample candidate = judge(without);
@@ -142,7 +151,8 @@ class Search {
   // Local improvement over the logarithms of all parts, present or not.
   Counterexample improve(const Counterexample& start, int evaluations) const {
     std::vector<double> x{std::log(start.held_by.inertia), std::log(start.held_by.stiffness)};
-    std::vector<double> lower{std::log(smallest_part * inertia_scale()), std::log(smallest_part * stiffness_scale())};
+    std::vector<double> lower{std::log(smallest_part * inertia_scale()),
+                              std::log(smallest_part * stiffness_scale())};
     std::vector<double> upper{std::log(largest_inertia * inertia_scale()),
                               std::log(largest_stiffness * stiffness_scale())};
     Counterexample best = start;
@@ -177,7 +187,9 @@ class Search {
 };
 
 // Eigenvalues of a loop with so many states on top of the device's own.
-double count_flops(double more_states) { return 25 * std::pow(10 + more_states, 3); }
+double count_flops(double more_states) {
+  return 25 * std::pow(10 + more_states, 3);
+}
 
 // Operators that meet more and more aliases, with a resonator for each.
 Counterexample meet_aliases(const Search& search, AliasedDisk& disk, const DiscreteStateSpace& law,
@@ -189,10 +201,12 @@ Counterexample meet_aliases(const Search& search, AliasedDisk& disk, const Discr
   for (const int count : {3, 5, 9, 17, 25, 49, 81}) {
     for (std::size_t i = 0; i < failing_omega.size(); i += stride) {
       const double omega = failing_omega[i];
-      // Each alias more brings the bound nearer by 1/count; at Nyquist half of them come for nothing.
+      // Each alias more brings the bound nearer by 1/count; at Nyquist half of them come for
+      // nothing.
       if (count > most_aliases_met && !is_nyquist(omega, disk.period())) continue;
-      const auto wanted = find_wanted(disk, omega, law.response(std::polar(1.0, omega * disk.period())),
-                                      sampling.delay.to_double(), count);
+      const auto wanted =
+          find_wanted(disk, omega, law.response(std::polar(1.0, omega * disk.period())),
+                      sampling.delay.to_double(), count);
       for (const double nearness : {0.45, 0.25, 0.1}) {
         for (const double both : {0.0, 1.0}) {
           const auto held_by = interpolate_reactances(wanted, nearness, both);
@@ -210,11 +224,11 @@ Counterexample meet_aliases(const Search& search, AliasedDisk& disk, const Discr
 
 }  // namespace
 
-Counterexample judge_operator(const Device& device, const Sampling& sampling, const DiscreteStateSpace& law,
-                              const MassSpringDamper& held_by) {
+Counterexample judge_operator(const Device& device, const Sampling& sampling,
+                              const DiscreteStateSpace& law, const MassSpringDamper& held_by) {
   const Plant plant = build_plant(build_device_network(device, held_by));
-  const DominantPole pole =
-      find_dominant_pole(build_loop_matrix(sample_plant(plant, sampling), law), sampling.period.to_double());
+  const DominantPole pole = find_dominant_pole(
+      build_loop_matrix(sample_plant(plant, sampling), law), sampling.period.to_double());
   return {held_by, pole.magnitude, pole.frequency_hz};
 }
 
@@ -225,18 +239,21 @@ std::optional<Counterexample> find_counterexample(const Device& device, const Sa
   const double delay = sampling.delay.to_double();
   std::vector<MassSpringDamper> operators{MassSpringDamper{}};
   for (const double omega : failing_omega) {
-    const auto wanted = find_wanted(disk, omega, law.response(std::polar(1.0, omega * disk.period())), delay, 3);
+    const auto wanted =
+        find_wanted(disk, omega, law.response(std::polar(1.0, omega * disk.period())), delay, 3);
     add_family(wanted[0], search.inertia_scale(), operators);
     if (wanted.size() < 2) continue;  // none below at Nyquist
     if (const auto both = solve_both(wanted[0], wanted[1])) operators.push_back(*both);
   }
   // A loop with a long delay has a large matrix: there the search is kept to a few seconds.
   const auto delay_states = static_cast<double>(split_delay(sampling).whole);
-  const int affordable = static_cast<int>(std::clamp(most_flops / count_flops(delay_states), 8.0, 1e4));
+  const int affordable =
+      static_cast<int>(std::clamp(most_flops / count_flops(delay_states), 8.0, 1e4));
   std::vector<Counterexample> candidates;
   for (const auto& held_by : operators) {
     if (static_cast<int>(candidates.size()) >= affordable) break;
-    if (search.in_proportion(held_by)) candidates.push_back(search.judge(search.without_trifles(held_by)));
+    if (search.in_proportion(held_by))
+      candidates.push_back(search.judge(search.without_trifles(held_by)));
   }
   const auto stronger = [](const Counterexample& a, const Counterexample& b) {
     return a.spectral_radius > b.spectral_radius;
@@ -247,7 +264,8 @@ std::optional<Counterexample> find_counterexample(const Device& device, const Sa
   Counterexample best = candidates.front();
   const std::size_t count = std::min<std::size_t>(refined_candidates, candidates.size());
   for (std::size_t i = 0; i < count && best.spectral_radius < 1 + 1e-4; ++i) {
-    const Counterexample refined = search.improve(candidates[i], std::min(80, affordable / refined_candidates));
+    const Counterexample refined =
+        search.improve(candidates[i], std::min(80, affordable / refined_candidates));
     if (stronger(refined, best)) best = refined;
   }
   if (!(best.spectral_radius > 1 + clearly_growing)) {

@@ -1,15 +1,15 @@
 #include "gyrator/passivity/criteria.hpp"
 
+#include "gyrator/cosim/sampled_plant.hpp"
+#include "gyrator/passivity/frequency_grid.hpp"
+#include "gyrator/passivity/virtual_damping.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-
-#include "gyrator/cosim/sampled_plant.hpp"
-#include "gyrator/passivity/frequency_grid.hpp"
-#include "gyrator/passivity/virtual_damping.hpp"
 
 namespace gyrator {
 namespace {
@@ -19,22 +19,28 @@ using std::numbers::pi;
 // Changes of Re Z and of A below this are no change.
 constexpr double same = 1e-6;
 
-std::string join_reasons(const std::vector<std::string>& reasons) { return fmt::format("{}", fmt::join(reasons, "; ")); }
+std::string join_reasons(const std::vector<std::string>& reasons) {
+  return fmt::format("{}", fmt::join(reasons, "; "));
+}
 
 std::vector<std::string> drive_reasons(const Assumptions& a) {
   std::vector<std::string> reasons;
   if (!a.ideal_drive) {
-    reasons.push_back(fmt::format("the command reaches the shaft through the circuit (A is not 1; it lags by {:.3g} s "
-                                  "at low frequency)",
-                                  a.lag_s));
+    reasons.push_back(fmt::format(
+        "the command reaches the shaft through the circuit (A is not 1; it lags by {:.3g} s "
+        "at low frequency)",
+        a.lag_s));
   }
   if (!a.collocated) reasons.emplace_back("the sensor is not at the port");
   return reasons;
 }
 
-double spread(double low, double high) { return high > 0 ? (high - low) / high : 0; }
+double spread(double low, double high) {
+  return high > 0 ? (high - low) / high : 0;
+}
 
-CriterionResult judge_spring_damper(const VirtualWall& wall, const Assumptions& a, StiffnessLimits& limits) {
+CriterionResult judge_spring_damper(const VirtualWall& wall, const Assumptions& a,
+                                    StiffnessLimits& limits) {
   CriterionResult result;
   result.name = "spring_damper";
   const double b = limits.disk().model().at(limits.grid().front()).impedance.real();
@@ -54,8 +60,9 @@ CriterionResult judge_spring_damper(const VirtualWall& wall, const Assumptions& 
   return result;
 }
 
-CriterionResult judge_frequency_dependent(const PassivityModel& model, const DiscreteStateSpace& law,
-                                          const Assumptions& a, StiffnessLimits& limits) {
+CriterionResult judge_frequency_dependent(const PassivityModel& model,
+                                          const DiscreteStateSpace& law, const Assumptions& a,
+                                          StiffnessLimits& limits) {
   CriterionResult result;
   result.name = "frequency_dependent";
   const double period = limits.disk().period();
@@ -63,7 +70,8 @@ CriterionResult judge_frequency_dependent(const PassivityModel& model, const Dis
   const auto total = [&](double omega) {
     const auto late = std::polar(1.0, -omega * delay);
     return limits.disk().model().at(omega).impedance.real() +
-           compute_virtual_damping(omega, period, late * law.response(std::polar(1.0, omega * period)));
+           compute_virtual_damping(omega, period,
+                                   late * law.response(std::polar(1.0, omega * period)));
   };
   std::vector<double> values;
   for (const double omega : limits.grid()) values.push_back(total(omega));
@@ -76,16 +84,18 @@ CriterionResult judge_frequency_dependent(const PassivityModel& model, const Dis
   }
   auto reasons = drive_reasons(a);
   if (!a.non_decreasing_damping) {
-    reasons.push_back(fmt::format("the device's damping falls with frequency from {:.3g} Hz", a.falling_from_hz));
+    reasons.push_back(
+        fmt::format("the device's damping falls with frequency from {:.3g} Hz", a.falling_from_hz));
   }
   if (!a.whole_delay) reasons.emplace_back("the delay is not a whole number of periods");
   result.applies = reasons.empty();
-  result.reason = reasons.empty() ? "Re Z + virtual damping > 0 at every frequency [8.46]" : join_reasons(reasons);
+  result.reason = reasons.empty() ? "Re Z + virtual damping > 0 at every frequency [8.46]"
+                                  : join_reasons(reasons);
   return result;
 }
 
-CriterionResult judge_quantized_coulomb(const PassivityModel& model, const VirtualWall& wall, const Assumptions& a,
-                                        StiffnessLimits& limits) {
+CriterionResult judge_quantized_coulomb(const PassivityModel& model, const VirtualWall& wall,
+                                        const Assumptions& a, StiffnessLimits& limits) {
   CriterionResult result;
   result.name = "quantized_coulomb";
   const double period = limits.disk().period();
@@ -144,13 +154,15 @@ Assumptions test_assumptions(const Device& device, const Sampling& sampling, Por
   return a;
 }
 
-std::vector<CriterionResult> judge_textbook(const PassivityModel& model, const Assumptions& assumptions,
+std::vector<CriterionResult> judge_textbook(const PassivityModel& model,
+                                            const Assumptions& assumptions,
                                             StiffnessLimits& limits) {
   const double period = model.sampling.period.to_double();
   std::vector<CriterionResult> results;
   const auto* wall = std::get_if<VirtualWall>(&model.controller);
   if (wall) results.push_back(judge_spring_damper(*wall, assumptions, limits));
-  results.push_back(judge_frequency_dependent(model, make_contact_law(model.controller, period), assumptions, limits));
+  results.push_back(judge_frequency_dependent(model, make_contact_law(model.controller, period),
+                                              assumptions, limits));
   if (wall) results.push_back(judge_quantized_coulomb(model, *wall, assumptions, limits));
   return results;
 }

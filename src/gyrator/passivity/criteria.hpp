@@ -6,19 +6,20 @@ namespace gyrator {
 
 /// What a device is like against the assumptions of the textbook criteria.
 struct Assumptions {
-  bool constant_damping = true;       ///< Re Z the same at all frequencies
-  bool non_decreasing_damping = true; ///< Re Z never falls as frequency rises, to infinity
-  bool ideal_drive = true;            ///< A = 1 up to far beyond Nyquist
-  bool collocated = true;             ///< the sensor sees the port
+  bool constant_damping = true;        ///< Re Z the same at all frequencies
+  bool non_decreasing_damping = true;  ///< Re Z never falls as frequency rises, to infinity
+  bool ideal_drive = true;             ///< A = 1 up to far beyond Nyquist
+  bool collocated = true;              ///< the sensor sees the port
   bool no_delay = true;
-  bool whole_delay = true;            ///< a whole number of periods
-  double falling_from_hz = 0;         ///< where Re Z starts to fall
-  double lag_s = 0;                   ///< lag of A at low frequency, -d(arg A)/dw
+  bool whole_delay = true;     ///< a whole number of periods
+  double falling_from_hz = 0;  ///< where Re Z starts to fall
+  double lag_s = 0;            ///< lag of A at low frequency, -d(arg A)/dw
 };
 Assumptions test_assumptions(const Device& device, const Sampling& sampling, PortModel& model);
 
 /// spring_damper [8.4], frequency_dependent [8.46] and quantized_coulomb [8.5] for the model.
-std::vector<CriterionResult> judge_textbook(const PassivityModel& model, const Assumptions& assumptions,
+std::vector<CriterionResult> judge_textbook(const PassivityModel& model,
+                                            const Assumptions& assumptions,
                                             StiffnessLimits& limits);
 
 }  // namespace gyrator

@@ -38,12 +38,15 @@ std::vector<double> make_judging_grid(const Eigen::VectorXcd& poles, double peri
   for (const auto& pole : poles) {
     const double width = std::max(std::abs(pole.real()), 1e-9 * std::abs(pole));
     if (std::abs(pole.imag()) < 0.5 * std::abs(pole)) continue;
-    for (int i = -8; i <= 8; ++i) grid.push_back(fold(std::abs(pole.imag()) + i * width / 2, period));
+    for (int i = -8; i <= 8; ++i)
+      grid.push_back(fold(std::abs(pole.imag()) + i * width / 2, period));
   }
   std::erase_if(grid, [&](double omega) { return !(omega >= low && omega <= nyquist); });
   std::sort(grid.begin(), grid.end());
   // Points closer than rounding would only cost time.
-  grid.erase(std::unique(grid.begin(), grid.end(), [](double a, double b) { return b - a < 1e-12 * b; }), grid.end());
+  grid.erase(
+      std::unique(grid.begin(), grid.end(), [](double a, double b) { return b - a < 1e-12 * b; }),
+      grid.end());
   return grid;
 }
 

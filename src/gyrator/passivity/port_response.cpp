@@ -1,9 +1,9 @@
 #include "gyrator/passivity/port_response.hpp"
 
-#include <numbers>
-
 #include "gyrator/circuits/reduction.hpp"
 #include "gyrator/core/interrupt.hpp"
+
+#include <numbers>
 
 namespace gyrator {
 namespace {
@@ -25,7 +25,8 @@ PortResponse from_admittance(double omega, const Eigen::MatrixXcd& admittance, b
 StateSpace make_admittance(const DeviceNetwork& device) {
   const NetworkEquations equations(device.network);
   const Reduction reduction = reduce(equations.descriptor());
-  StateSpace system{reduction.A, reduction.B, Eigen::MatrixXd(2, reduction.A.rows()), Eigen::MatrixXd(2, 2)};
+  StateSpace system{reduction.A, reduction.B, Eigen::MatrixXd(2, reduction.A.rows()),
+                    Eigen::MatrixXd(2, 2)};
   const ReducedForm port = reduction.reduce(equations.across(device.port));
   const ReducedForm sensed = reduction.reduce(equations.across(device.sensed));
   system.C << port.state, sensed.state;
@@ -40,7 +41,8 @@ Eigen::VectorXcd poles_of(const Device& device, const Operator& held_by) {
 
 }  // namespace
 
-std::vector<PortResponse> compute_port_response(const Device& device, const std::vector<double>& frequency_hz) {
+std::vector<PortResponse> compute_port_response(const Device& device,
+                                                const std::vector<double>& frequency_hz) {
   const DeviceNetwork network = build_device_network(device, FreeOperator{});
   const NetworkEquations equations(network.network);
   const LinearForm port = equations.across(network.port);

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <complex>
-#include <vector>
-
 #include "gyrator/circuits/hessenberg_response.hpp"
 #include "gyrator/mechanics/device.hpp"
+
+#include <complex>
+#include <vector>
 
 namespace gyrator {
 
@@ -24,7 +24,8 @@ struct PortResponse {
 
 /// Straight from the network's descriptor equations, point by point; for tables and as the check of
 /// PortModel. Frequencies in Hz. Throws numerical where the network is singular.
-std::vector<PortResponse> compute_port_response(const Device& device, const std::vector<double>& frequency_hz);
+std::vector<PortResponse> compute_port_response(const Device& device,
+                                                const std::vector<double>& frequency_hz);
 
 /// The same from the reduced state space, fast enough for sums over many aliases.
 class PortModel {

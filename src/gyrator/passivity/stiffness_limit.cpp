@@ -1,5 +1,10 @@
 #include "gyrator/passivity/stiffness_limit.hpp"
 
+#include "gyrator/controllers/virtual_wall.hpp"
+#include "gyrator/cosim/sampled_plant.hpp"
+#include "gyrator/passivity/frequency_grid.hpp"
+#include "gyrator/passivity/virtual_damping.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,19 +12,14 @@
 
 #include <boost/math/tools/roots.hpp>
 
-#include "gyrator/controllers/virtual_wall.hpp"
-#include "gyrator/cosim/sampled_plant.hpp"
-#include "gyrator/passivity/frequency_grid.hpp"
-#include "gyrator/passivity/virtual_damping.hpp"
-
 namespace gyrator {
 namespace {
 
 using Complex = std::complex<double>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// First K >= 0 at which value + slope K + curvature K^2 falls to zero. `value` below rounding of the
-// `size` of what it was summed from is zero.
+// First K >= 0 at which value + slope K + curvature K^2 falls to zero. `value` below rounding of
+// the `size` of what it was summed from is zero.
 double first_root(double value, double slope, double curvature, double size) {
   if (!(value > 1e-13 * size)) return 0;
   const double discriminant = slope * slope - 4 * curvature * value;
@@ -33,10 +33,12 @@ double first_root(double value, double slope, double curvature, double size) {
 
 const std::vector<CriterionName>& criterion_names() {
   static const std::vector<CriterionName> names{
-      {Criterion::spring_damper, "spring_damper", "b > K T/2 + |B| for constant damping and an ideal drive [8.4]"},
+      {Criterion::spring_damper, "spring_damper",
+       "b > K T/2 + |B| for constant damping and an ideal drive [8.4]"},
       {Criterion::frequency_dependent, "frequency_dependent",
        "Re Z + virtual damping > 0 at every frequency, for an ideal drive [8.46]"},
-      {Criterion::exact_disk, "exact_disk", "every passive hand, with command path, sensor place and delay"},
+      {Criterion::exact_disk, "exact_disk",
+       "every passive hand, with command path, sensor place and delay"},
       {Criterion::coupled, "coupled", "exact loop eigenvalues with the model's operator"},
   };
   return names;
@@ -46,8 +48,8 @@ std::string_view name_of(Criterion criterion) {
   return criterion_names()[static_cast<std::size_t>(criterion)].name;
 }
 
-StiffnessLimits::StiffnessLimits(const Device& device, const Sampling& sampling, const VelocityEstimator& estimator,
-                                 const Operator& held_by)
+StiffnessLimits::StiffnessLimits(const Device& device, const Sampling& sampling,
+                                 const VelocityEstimator& estimator, const Operator& held_by)
     : device_(device),
       sampling_(sampling),
       period_(sampling.period.to_double()),
@@ -69,7 +71,8 @@ const std::vector<DiskPoint>& StiffnessLimits::disks() {
 }
 
 const SampledPlant& StiffnessLimits::sampled() {
-  if (!sampled_) sampled_ = sample_plant(build_plant(build_device_network(device_, operator_)), sampling_);
+  if (!sampled_)
+    sampled_ = sample_plant(build_plant(build_device_network(device_, operator_)), sampling_);
   return *sampled_;
 }
 
@@ -79,10 +82,14 @@ Complex StiffnessLimits::velocity_response(double omega) const {
 
 StiffnessLimit StiffnessLimits::find(Criterion criterion, double virtual_damping) {
   switch (criterion) {
-    case Criterion::spring_damper: return find_spring_damper(virtual_damping);
-    case Criterion::frequency_dependent: return find_frequency_dependent(virtual_damping);
-    case Criterion::exact_disk: return find_exact_disk(virtual_damping);
-    case Criterion::coupled: break;
+    case Criterion::spring_damper:
+      return find_spring_damper(virtual_damping);
+    case Criterion::frequency_dependent:
+      return find_frequency_dependent(virtual_damping);
+    case Criterion::exact_disk:
+      return find_exact_disk(virtual_damping);
+    case Criterion::coupled:
+      break;
   }
   return find_coupled(virtual_damping);
 }
@@ -96,7 +103,8 @@ StiffnessLimit StiffnessLimits::find_spring_damper(double virtual_damping) {
 }
 
 template <class Function>
-StiffnessLimit StiffnessLimits::find_lowest(const Function& limit_at, const std::vector<double>& values) {
+StiffnessLimit StiffnessLimits::find_lowest(const Function& limit_at,
+                                            const std::vector<double>& values) {
   const Minimum lowest = find_minimum(grid_, values, limit_at);
   return {lowest.value, lowest.value > 0, lowest.omega / (2 * std::numbers::pi)};
 }
@@ -105,7 +113,8 @@ StiffnessLimit StiffnessLimits::find_frequency_dependent(double virtual_damping)
   const double delay = sampling_.delay.to_double();
   const auto limit = [&](double omega, double damping, Complex velocity) {
     const Complex late = std::polar(1.0, -omega * delay);
-    const double available = damping + compute_virtual_damping(omega, period_, late * velocity * virtual_damping);
+    const double available =
+        damping + compute_virtual_damping(omega, period_, late * velocity * virtual_damping);
     return first_root(available, compute_virtual_damping(omega, period_, late), 0,
                       damping + std::abs(virtual_damping));
   };
@@ -125,25 +134,30 @@ StiffnessLimit StiffnessLimits::find_exact_disk(double virtual_damping) {
   const auto limit = [&](const DiskPoint& point, Complex velocity) {
     const Complex damper = virtual_damping * velocity;
     return first_root(point.damping_margin(damper),
-                      2 * point.scaled_center.real() + 2 * damper.real() * point.scaled_gap, point.scaled_gap,
-                      point.damping + std::abs(virtual_damping));
+                      2 * point.scaled_center.real() + 2 * damper.real() * point.scaled_gap,
+                      point.scaled_gap, point.damping + std::abs(virtual_damping));
   };
   std::vector<double> values;
   const auto& points = disks();
-  for (std::size_t i = 0; i < points.size(); ++i) values.push_back(limit(points[i], velocity_on_grid_[i]));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    values.push_back(limit(points[i], velocity_on_grid_[i]));
   if (disk_.least_damping().active) {
     return {0, false, disk_.least_damping().omega / (2 * std::numbers::pi)};
   }
-  StiffnessLimit result =
-      find_lowest([&](double omega) { return limit(disk_.at(omega), velocity_response(omega)); }, values);
+  StiffnessLimit result = find_lowest(
+      [&](double omega) { return limit(disk_.at(omega), velocity_response(omega)); }, values);
   if (!result.feasible) return result;
 
-  // The disks exclude a pole on the unit circle for every smaller K, so one stable K proves them all.
+  // The disks exclude a pole on the unit circle for every smaller K, so one stable K proves them
+  // all.
   const double inside = std::isfinite(result.stiffness) ? result.stiffness / 2 : 1;
   const VirtualWall wall{inside, virtual_damping};
-  const DiscreteStateSpace law = in_parallel(make_gain(wall.stiffness), scaled(velocity_, wall.damping));
-  const SampledPlant free = sample_plant(build_plant(build_device_network(device_, FreeOperator{})), sampling_);
-  if (compute_spectral_radius(build_loop_matrix(free, law)) > 1 + stability_tolerance) return {0, false, 0};
+  const DiscreteStateSpace law =
+      in_parallel(make_gain(wall.stiffness), scaled(velocity_, wall.damping));
+  const SampledPlant free =
+      sample_plant(build_plant(build_device_network(device_, FreeOperator{})), sampling_);
+  if (compute_spectral_radius(build_loop_matrix(free, law)) > 1 + stability_tolerance)
+    return {0, false, 0};
   return result;
 }
 
@@ -154,7 +168,8 @@ StiffnessLimit StiffnessLimits::find_coupled(double virtual_damping) {
     return compute_spectral_radius(build_loop_matrix(sampled(), law)) - 1;
   };
   // Scale: the stiffness at which a sample's command moves the sampled plant by its own error.
-  const double gain = std::abs((sampled().sense * (sampled().phi * sampled().recent + sampled().recent))(0));
+  const double gain =
+      std::abs((sampled().sense * (sampled().phi * sampled().recent + sampled().recent))(0));
   if (!(gain > 0)) return {infinity, true, 0};
   const double scale = 1 / gain;
   double stable = 1e-7 * scale;
@@ -169,12 +184,13 @@ StiffnessLimit StiffnessLimits::find_coupled(double virtual_damping) {
   // An eigenvalue that stays at one (a device without stiffness of its own) is not the crossing.
   const double at_rest = excess(stable) < 0 ? 0 : stability_tolerance;
   std::uintmax_t iterations = 100;
-  const auto bracket =
-      boost::math::tools::toms748_solve([&](double stiffness) { return excess(stiffness) - at_rest; }, stable, unstable,
-                                        boost::math::tools::eps_tolerance<double>(44), iterations);
+  const auto bracket = boost::math::tools::toms748_solve(
+      [&](double stiffness) { return excess(stiffness) - at_rest; }, stable, unstable,
+      boost::math::tools::eps_tolerance<double>(44), iterations);
   const double critical = (bracket.first + bracket.second) / 2;
   const DiscreteStateSpace law = in_parallel(make_gain(critical), damper);
-  return {critical, true, find_dominant_pole(build_loop_matrix(sampled(), law), period_).frequency_hz};
+  return {critical, true,
+          find_dominant_pole(build_loop_matrix(sampled(), law), period_).frequency_hz};
 }
 
 }  // namespace gyrator

@@ -1,13 +1,13 @@
 #pragma once
 
+#include "gyrator/controllers/velocity_estimator.hpp"
+#include "gyrator/cosim/sampled_plant.hpp"
+#include "gyrator/passivity/aliased_disk.hpp"
+
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "gyrator/controllers/velocity_estimator.hpp"
-#include "gyrator/cosim/sampled_plant.hpp"
-#include "gyrator/passivity/aliased_disk.hpp"
 
 namespace gyrator {
 
@@ -24,8 +24,8 @@ const std::vector<CriterionName>& criterion_names();
 std::string_view name_of(Criterion criterion);
 
 struct StiffnessLimit {
-  double stiffness = 0;           ///< [N/m, N.m/rad]; infinite where nothing bounds it; 0 if not feasible
-  bool feasible = false;          ///< false: not even K = 0 meets the criterion at this virtual damping
+  double stiffness = 0;   ///< [N/m, N.m/rad]; infinite where nothing bounds it; 0 if not feasible
+  bool feasible = false;  ///< false: not even K = 0 meets the criterion at this virtual damping
   double worst_frequency_hz = 0;  ///< where it binds
 };
 
@@ -37,8 +37,8 @@ struct StiffnessLimit {
 ///   coupled              the exact loop with the given operator is stable
 class StiffnessLimits {
  public:
-  StiffnessLimits(const Device& device, const Sampling& sampling, const VelocityEstimator& estimator,
-                  const Operator& held_by);
+  StiffnessLimits(const Device& device, const Sampling& sampling,
+                  const VelocityEstimator& estimator, const Operator& held_by);
 
   StiffnessLimit find(Criterion criterion, double virtual_damping);
 

@@ -1,15 +1,15 @@
 #include "gyrator/passivity/verdict.hpp"
 
+#include "gyrator/cosim/sampled_plant.hpp"
+#include "gyrator/passivity/criteria.hpp"
+#include "gyrator/passivity/frequency_grid.hpp"
+#include "gyrator/passivity/virtual_damping.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <fmt/core.h>
-
-#include "gyrator/cosim/sampled_plant.hpp"
-#include "gyrator/passivity/criteria.hpp"
-#include "gyrator/passivity/frequency_grid.hpp"
-#include "gyrator/passivity/virtual_damping.hpp"
 
 namespace gyrator {
 namespace {
@@ -29,7 +29,8 @@ class Judge {
     const auto& grid = limits_.grid();
     for (const double omega : grid) laws_.push_back(law_at(omega));
     CriterionResult exact = judge_exact(v);
-    const Assumptions assumptions = test_assumptions(model_.device, model_.sampling, limits_.disk().model());
+    const Assumptions assumptions =
+        test_assumptions(model_.device, model_.sampling, limits_.disk().model());
     v.criteria = judge_textbook(model_, assumptions, limits_);
     v.criteria.insert(v.criteria.begin() + (v.criteria.size() > 1 ? 2 : 1), exact);
     v.passive = exact.holds;
@@ -49,7 +50,9 @@ class Judge {
     return wall ? wall->velocity : VelocityEstimator{DifferenceEstimator{}};
   }
 
-  std::complex<double> law_at(double omega) const { return law_.response(std::polar(1.0, omega * period_)); }
+  std::complex<double> law_at(double omega) const {
+    return law_.response(std::polar(1.0, omega * period_));
+  }
 
   CriterionResult judge_exact(Verdict& v) {
     CriterionResult exact;
@@ -57,7 +60,8 @@ class Judge {
     exact.applies = true;
     const auto& points = limits_.disks();
     std::vector<double> values;
-    for (std::size_t i = 0; i < points.size(); ++i) values.push_back(points[i].damping_margin(laws_[i]));
+    for (std::size_t i = 0; i < points.size(); ++i)
+      values.push_back(points[i].damping_margin(laws_[i]));
     worst_ = find_minimum(limits_.grid(), values, [&](double omega) {
       return limits_.disk().at(omega).damping_margin(law_at(omega));
     });
@@ -70,7 +74,8 @@ class Judge {
     v.least_damping_frequency_hz = least.omega / (2 * pi);
     v.device_passive = !least.active;
     const Plant free = build_plant(build_device_network(model_.device, FreeOperator{}));
-    v.uncoupled_spectral_radius = compute_spectral_radius(build_loop_matrix(sample_plant(free, model_.sampling), law_));
+    v.uncoupled_spectral_radius =
+        compute_spectral_radius(build_loop_matrix(sample_plant(free, model_.sampling), law_));
     const bool stable_alone = v.uncoupled_spectral_radius <= 1 + stability_tolerance;
     exact.holds = worst_.value > 0 && stable_alone && v.device_passive;
     if (const auto* wall = std::get_if<VirtualWall>(&model_.controller)) {
@@ -80,13 +85,17 @@ class Judge {
       exact.reason = fmt::format("the bare device supplies energy at {:.4g} Hz (Re Z = {:.3g})",
                                  v.least_damping_frequency_hz, v.least_damping);
     } else if (!stable_alone) {
-      exact.reason = fmt::format("the loop is unstable with nothing attached (spectral radius {:.6g})",
-                                 v.uncoupled_spectral_radius);
+      exact.reason =
+          fmt::format("the loop is unstable with nothing attached (spectral radius {:.6g})",
+                      v.uncoupled_spectral_radius);
     } else if (std::isinf(v.worst_disk.radius)) {
-      exact.reason = "the device's damping vanishes at high frequency faster than the command path: no bound exists; "
-                     "give the mechanics some viscous damping";
+      exact.reason =
+          "the device's damping vanishes at high frequency faster than the command path: no bound "
+          "exists; "
+          "give the mechanics some viscous damping";
     } else {
-      exact.reason = "aliased disk of all passive operators: command path, sensor place and delay included";
+      exact.reason =
+          "aliased disk of all passive operators: command path, sensor place and delay included";
     }
     return exact;
   }
@@ -100,17 +109,20 @@ class Judge {
     }
     if (v.passive) {
       v.explanation = "No passive operator can make the loop unstable.";
-      if (!textbook->holds) v.explanation += " The textbook criterion [8.46] denies it: it is too strict here.";
+      if (!textbook->holds)
+        v.explanation += " The textbook criterion [8.46] denies it: it is too strict here.";
       return;
     }
     v.explanation = "Some passive operator makes the loop unstable.";
     if (!v.device_passive || v.uncoupled_spectral_radius > 1 + stability_tolerance) {
       v.explanation = fmt::format("Not passive: {}.", exact->reason);
     } else if (textbook->holds) {
-      v.explanation += textbook->applies ? " The textbook criterion [8.46] would call it passive."
-                                         : fmt::format(" The textbook criterion [8.46] would call it passive, but does "
-                                                       "not apply here: {}.",
-                                                       textbook->reason);
+      v.explanation += textbook->applies
+                           ? " The textbook criterion [8.46] would call it passive."
+                           : fmt::format(
+                                 " The textbook criterion [8.46] would call it passive, but does "
+                                 "not apply here: {}.",
+                                 textbook->reason);
     }
   }
 
@@ -144,19 +156,23 @@ class Judge {
     std::optional<double> extra;
     for (int round = 0; round < 20; ++round) {
       extra = lift_above_zero([&](double damping) {
-        return std::all_of(terms.begin(), terms.end(), [&](const auto& t) { return margin(t, damping) > 0; });
+        return std::all_of(terms.begin(), terms.end(),
+                           [&](const auto& t) { return margin(t, damping) > 0; });
       });
       if (!extra) return std::nullopt;
       std::vector<double> values;
-      for (std::size_t i = 0; i < limits_.grid().size(); ++i) values.push_back(margin(terms[i], *extra));
+      for (std::size_t i = 0; i < limits_.grid().size(); ++i)
+        values.push_back(margin(terms[i], *extra));
       const Minimum left = find_minimum(limits_.grid(), values, [&](double omega) {
         return limits_.disk().at(omega, *extra).damping_margin(law_at(omega));
       });
       if (left.value > 0) break;
       terms.push_back(limits_.disk().collect(left.omega));
     }
-    const Plant damped = build_plant(build_device_network(model_.device, MassSpringDamper{0, *extra, 0, {}}));
-    const double radius = compute_spectral_radius(build_loop_matrix(sample_plant(damped, model_.sampling), law_));
+    const Plant damped =
+        build_plant(build_device_network(model_.device, MassSpringDamper{0, *extra, 0, {}}));
+    const double radius =
+        compute_spectral_radius(build_loop_matrix(sample_plant(damped, model_.sampling), law_));
     if (radius > 1 + stability_tolerance) return std::nullopt;
     return extra;
   }
@@ -201,7 +217,8 @@ class Judge {
     }
     const std::size_t stride = std::max<std::size_t>(1, all.size() / 24);
     for (std::size_t i = 0; i < all.size(); i += stride) failing.push_back(all[i]);
-    v.counterexample = find_counterexample(model_.device, model_.sampling, law_, limits_.disk(), failing);
+    v.counterexample =
+        find_counterexample(model_.device, model_.sampling, law_, limits_.disk(), failing);
   }
 
   const PassivityModel& model_;

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "gyrator/controllers/controller.hpp"
 #include "gyrator/passivity/counterexample.hpp"
 #include "gyrator/passivity/stiffness_limit.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace gyrator {
 
@@ -31,11 +31,12 @@ struct Verdict {
   bool passive = false;
   std::string explanation;  ///< one sentence
   std::vector<CriterionResult> criteria;
-  bool device_passive = true;          ///< Re Z >= 0 everywhere, alone
-  double least_damping = 0;            ///< lowest Re Z over base frequencies and aliases
+  bool device_passive = true;  ///< Re Z >= 0 everywhere, alone
+  double least_damping = 0;    ///< lowest Re Z over base frequencies and aliases
   double least_damping_frequency_hz = 0;
   double uncoupled_spectral_radius = 0;
-  std::optional<double> extra_damping;  ///< smallest additional port damping that mends it; none if it cannot
+  std::optional<double>
+      extra_damping;  ///< smallest additional port damping that mends it; none if it cannot
   DiskPoint worst_disk;
   /// The disk and H where the picture says most: at the counterexample's frequency, else at the
   /// worst one, but not below the slowest pole (towards zero frequency every disk is a half-plane).

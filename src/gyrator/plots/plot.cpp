@@ -1,9 +1,9 @@
 #include "gyrator/plots/plot.hpp"
 
 #include "gyrator/core/error.hpp"
+#include "gyrator/documents/output_file.hpp"
 #include "gyrator/plots/gnuplot.hpp"
 #include "gyrator/plots/html.hpp"
-#include "gyrator/documents/output_file.hpp"
 #include "gyrator/plots/plot_script.hpp"
 
 #include <algorithm>

@@ -13,7 +13,9 @@ using nlohmann::json;
 
 // The document has been validated: every key is there, of the right type, in SI units.
 
-Rational time_of(const json& value) { return Rational::from_text(value.get<std::string>()); }
+Rational time_of(const json& value) {
+  return Rational::from_text(value.get<std::string>());
+}
 
 // Inertia and mass, torque and force constant: one thing under the motion's own name.
 double either(const json& object, const char* rotary, const char* linear) {
@@ -24,7 +26,8 @@ Amplifier amplifier_of(const json& a) {
   std::optional<double> bandwidth_hz;
   if (a.contains("bandwidth") && !a["bandwidth"].is_null()) bandwidth_hz = a["bandwidth"];
   if (a["kind"] == "current") {
-    return CurrentAmplifier{bandwidth_hz, a["sense"] == "motor" ? CurrentSense::motor : CurrentSense::total};
+    return CurrentAmplifier{bandwidth_hz,
+                            a["sense"] == "motor" ? CurrentSense::motor : CurrentSense::total};
   }
   if (a["kind"] == "voltage") return VoltageAmplifier{bandwidth_hz, a["output_resistance"]};
   return IdealDrive{};
@@ -38,7 +41,8 @@ Damping damping_of(const json& d) {
 Drive drive_of(const json& model) {
   Drive drive;
   if (const json& m = model["motor"]; !m.is_null()) {
-    drive.motor = Motor{either(m, "torque_constant", "force_constant"), m["resistance"], m["inductance"]};
+    drive.motor =
+        Motor{either(m, "torque_constant", "force_constant"), m["resistance"], m["inductance"]};
   }
   drive.amplifier = amplifier_of(model["amplifier"]);
   for (const auto& damping : model["damping"]) drive.damping.push_back(damping_of(damping));
@@ -51,7 +55,8 @@ Mechanics mechanics_of(const json& m) {
   mechanics.damping = m["damping"];
   mechanics.coulomb_friction = m["coulomb_friction"];
   if (const json& t = m["transmission"]; !t.is_null()) {
-    mechanics.transmission = Transmission{t["stiffness"], t["damping"], either(t, "load_inertia", "load_mass")};
+    mechanics.transmission =
+        Transmission{t["stiffness"], t["damping"], either(t, "load_inertia", "load_mass")};
   }
   if (const json& h = m["high_pass_damper"]; !h.is_null()) {
     mechanics.high_pass_damper = HighPassDamper{either(h, "inertia", "mass"), h["damping"]};
@@ -66,7 +71,8 @@ VelocityEstimator estimator_of(const json& v) {
 
 Controller controller_of(const json& c) {
   if (c["kind"] == "none") return NoController{};
-  return VirtualWall{c["stiffness"], c["damping"], estimator_of(c["velocity"]), c["unilateral"], c["no_pull"]};
+  return VirtualWall{c["stiffness"], c["damping"], estimator_of(c["velocity"]), c["unilateral"],
+                     c["no_pull"]};
 }
 
 Operator operator_of(const json& o) {
@@ -79,9 +85,12 @@ Operator operator_of(const json& o) {
 void check_together(const Model& model, const json& source, const std::string& file) {
   const bool ideal = std::holds_alternative<IdealDrive>(model.device.drive.amplifier);
   if (!model.device.drive.motor && !ideal) {
-    const std::string kind = source.contains("amplifier") ? "this amplifier" : "the default amplifier (current)";
-    throw Error(ErrorCode::bad_input, file + ": /motor",
-                "missing: " + kind + " needs a motor to drive: add \"motor\", or use \"amplifier\": {\"kind\": \"ideal\"}");
+    const std::string kind =
+        source.contains("amplifier") ? "this amplifier" : "the default amplifier (current)";
+    throw Error(
+        ErrorCode::bad_input, file + ": /motor",
+        "missing: " + kind +
+            " needs a motor to drive: add \"motor\", or use \"amplifier\": {\"kind\": \"ideal\"}");
   }
   if (!model.device.drive.motor && !model.device.drive.damping.empty()) {
     throw Error(ErrorCode::bad_input, file + ": /motor",
@@ -95,7 +104,8 @@ void check_together(const Model& model, const json& source, const std::string& f
   const auto* wall = std::get_if<VirtualWall>(&model.controller);
   if (wall && wall->no_pull && !wall->unilateral) {
     throw Error(ErrorCode::bad_input, file + ": /controller/no_pull",
-                "true for a bilateral wall: only a unilateral wall can be kept from pulling; set \"unilateral\": true");
+                "true for a bilateral wall: only a unilateral wall can be kept from pulling; set "
+                "\"unilateral\": true");
   }
 }
 
@@ -109,7 +119,8 @@ Model parse_model(const json& document, const std::string& file) {
   model.device.motion = m["motion"] == "rotary" ? Motion::rotary : Motion::linear;
   model.device.drive = drive_of(m);
   model.device.mechanics = mechanics_of(m["mechanics"]);
-  model.device.sensor = m["sensor"]["location"] == "motor" ? SensorLocation::motor : SensorLocation::port;
+  model.device.sensor =
+      m["sensor"]["location"] == "motor" ? SensorLocation::motor : SensorLocation::port;
   model.sensor = {m["sensor"]["quantum"], m["sensor"]["offset"]};
   model.sampling = {time_of(m["sampling"]["period"]), time_of(m["sampling"]["delay"])};
   model.controller = controller_of(m["controller"]);
@@ -124,12 +135,15 @@ Model parse_model(const json& document, const std::string& file) {
   return model;
 }
 
-Model load_model(const std::string& path) { return parse_model(load_json_file(path), path); }
+Model load_model(const std::string& path) {
+  return parse_model(load_json_file(path), path);
+}
 
 json unit_names(Motion motion) {
   const MotionUnits& units = units_of(motion);
-  return {{"position", units.position.symbol}, {"velocity", units.velocity.symbol},   {"effort", units.effort.symbol},
-          {"damping", units.damping.symbol},   {"stiffness", units.stiffness.symbol}, {"inertia", units.inertia.symbol}};
+  return {{"position", units.position.symbol},   {"velocity", units.velocity.symbol},
+          {"effort", units.effort.symbol},       {"damping", units.damping.symbol},
+          {"stiffness", units.stiffness.symbol}, {"inertia", units.inertia.symbol}};
 }
 
 }  // namespace gyrator

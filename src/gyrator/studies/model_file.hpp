@@ -1,12 +1,12 @@
 #pragma once
 
-#include <string>
-
-#include <nlohmann/json.hpp>
-
 #include "gyrator/cosim/simulation.hpp"
 #include "gyrator/mechanics/device.hpp"
 #include "gyrator/passivity/verdict.hpp"
+
+#include <string>
+
+#include <nlohmann/json.hpp>
 
 namespace gyrator {
 
@@ -34,7 +34,8 @@ Model load_model(const std::string& path);
 /// The same from JSON; `file` is only for messages.
 Model parse_model(const nlohmann::json& document, const std::string& file);
 
-/// Unit texts of a motion for results: keys damping, stiffness, position, velocity, effort, inertia.
+/// Unit texts of a motion for results: keys damping, stiffness, position, velocity, effort,
+/// inertia.
 nlohmann::json unit_names(Motion motion);
 
 }  // namespace gyrator

@@ -7,12 +7,14 @@ namespace {
 
 using nlohmann::json;
 
-const MotionUnits rotary_units{dimension::inertia,         dimension::rotary_damping, dimension::rotary_stiffness,
-                               dimension::torque,          dimension::torque_constant, dimension::angle,
+const MotionUnits rotary_units{dimension::inertia,          dimension::rotary_damping,
+                               dimension::rotary_stiffness, dimension::torque,
+                               dimension::torque_constant,  dimension::angle,
                                dimension::angular_velocity, dimension::angle_quantum};
-const MotionUnits linear_units{dimension::mass,     dimension::linear_damping, dimension::linear_stiffness,
-                               dimension::force,    dimension::force_constant, dimension::length,
-                               dimension::velocity, dimension::length_quantum};
+const MotionUnits linear_units{
+    dimension::mass,     dimension::linear_damping, dimension::linear_stiffness,
+    dimension::force,    dimension::force_constant, dimension::length,
+    dimension::velocity, dimension::length_quantum};
 
 // The two motions differ in units and in the names of mass and motor constant; nothing else.
 struct MotionTerms : MotionUnits {
@@ -22,7 +24,8 @@ struct MotionTerms : MotionUnits {
   const char* motor_constant_name;
 };
 
-const MotionTerms rotary_terms{rotary_units, "rotary", "inertia", "load_inertia", "torque_constant"};
+const MotionTerms rotary_terms{rotary_units, "rotary", "inertia", "load_inertia",
+                               "torque_constant"};
 const MotionTerms linear_terms{linear_units, "linear", "mass", "load_mass", "force_constant"};
 
 ObjectSpec motor_spec(const MotionTerms& terms) {
@@ -49,16 +52,31 @@ ObjectSpec mechanics_spec(const MotionTerms& terms) {
       "transmission",
       "A compliant transmission; the operator then holds the load, not the motor.",
       {
-          member::quantity("stiffness", terms.stiffness).required().above(0).doc("Of the transmission."),
-          member::quantity("damping", terms.damping).by_default(0).at_least(0).doc("Parallel to the stiffness."),
-          member::quantity(terms.load_inertia_name, terms.inertia).required().above(0).doc("Beyond the compliance."),
+          member::quantity("stiffness", terms.stiffness)
+              .required()
+              .above(0)
+              .doc("Of the transmission."),
+          member::quantity("damping", terms.damping)
+              .by_default(0)
+              .at_least(0)
+              .doc("Parallel to the stiffness."),
+          member::quantity(terms.load_inertia_name, terms.inertia)
+              .required()
+              .above(0)
+              .doc("Beyond the compliance."),
       }};
   const ObjectSpec high_pass_damper{
       "high_pass_damper",
       "A damper from the operator port to a floating inertia: damps high frequencies only.",
       {
-          member::quantity(terms.inertia_name, terms.inertia).required().above(0).doc("Of the floating body."),
-          member::quantity("damping", terms.damping).required().above(0).doc("Between port and floating body."),
+          member::quantity(terms.inertia_name, terms.inertia)
+              .required()
+              .above(0)
+              .doc("Of the floating body."),
+          member::quantity("damping", terms.damping)
+              .required()
+              .above(0)
+              .doc("Between port and floating body."),
       }};
   return {"mechanics",
           "What moves.",
@@ -67,28 +85,37 @@ ObjectSpec mechanics_spec(const MotionTerms& terms) {
                   .required()
                   .above(0, "the operator port must have an inertia")
                   .doc("Of the motor and all that is rigid with it."),
-              member::quantity("damping", terms.damping).by_default(0).at_least(0).doc("Viscous, to ground."),
+              member::quantity("damping", terms.damping)
+                  .by_default(0)
+                  .at_least(0)
+                  .doc("Viscous, to ground."),
               member::quantity("coulomb_friction", terms.effort)
                   .by_default(0)
                   .at_least(0)
                   .doc("Used by the criterion quantized_coulomb; `simulate` takes 0 only."),
               member::object("transmission", transmission).doc("Compliant transmission to a load."),
-              member::object("high_pass_damper", high_pass_damper).doc("Damper with a floating inertia."),
+              member::object("high_pass_damper", high_pass_damper)
+                  .doc("Damper with a floating inertia."),
           }};
 }
 
 std::vector<ObjectSpec> amplifier_specs() {
   const auto bandwidth = [] {
-    return member::quantity("bandwidth", dimension::frequency).above(0).doc("-3 dB frequency; absent: ideal.");
+    return member::quantity("bandwidth", dimension::frequency)
+        .above(0)
+        .doc("-3 dB frequency; absent: ideal.");
   };
-  return {{"ideal", "Produces the commanded effort at the shaft itself, whatever the circuit: A = 1.", {}},
+  return {{"ideal",
+           "Produces the commanded effort at the shaft itself, whatever the circuit: A = 1.",
+           {}},
           {"current",
            "Regulates a current with a first-order closed loop.",
            {
                bandwidth(),
                member::choice("sense", {"total", "motor"})
                    .by_default("total")
-                   .doc("Which current: all that the amplifier delivers, or what passes the winding (which removes "
+                   .doc("Which current: all that the amplifier delivers, or what passes the "
+                        "winding (which removes "
                         "the damping of a circuit across the motor within the bandwidth)."),
            }},
           {"voltage",
@@ -106,7 +133,10 @@ std::vector<ObjectSpec> damping_specs() {
   return {{"resistor",
            "A resistor across the motor terminals.",
            {
-               member::quantity("resistance", dimension::resistance).required().above(0).doc("Across the terminals."),
+               member::quantity("resistance", dimension::resistance)
+                   .required()
+                   .above(0)
+                   .doc("Across the terminals."),
            }},
           {"rc",
            "Resistor and capacitor in series across the motor terminals.",
@@ -123,16 +153,20 @@ std::vector<ObjectSpec> damping_specs() {
 }
 
 std::vector<ObjectSpec> velocity_specs() {
-  return {{"difference",
-           "Difference over a window of samples.",
-           {
-               member::integer("window").by_default(1).at_least(1).at_most(1000).doc("Samples back."),
-           }},
-          {"filtered_difference",
-           "Backward difference behind a first-order low-pass, both mapped backward.",
-           {
-               member::quantity("cutoff", dimension::frequency).required().above(0).doc("Of the low-pass."),
-           }}};
+  return {
+      {"difference",
+       "Difference over a window of samples.",
+       {
+           member::integer("window").by_default(1).at_least(1).at_most(1000).doc("Samples back."),
+       }},
+      {"filtered_difference",
+       "Backward difference behind a first-order low-pass, both mapped backward.",
+       {
+           member::quantity("cutoff", dimension::frequency)
+               .required()
+               .above(0)
+               .doc("Of the low-pass."),
+       }}};
 }
 
 std::vector<ObjectSpec> controller_specs(const MotionTerms& terms) {
@@ -140,7 +174,10 @@ std::vector<ObjectSpec> controller_specs(const MotionTerms& terms) {
           {"virtual_wall",
            "Spring and damper computed from the sampled position, at position zero.",
            {
-               member::quantity("stiffness", terms.stiffness).required().at_least(0).doc("Virtual stiffness K."),
+               member::quantity("stiffness", terms.stiffness)
+                   .required()
+                   .at_least(0)
+                   .doc("Virtual stiffness K."),
                member::quantity("damping", terms.damping)
                    .by_default(0)
                    .doc("Virtual damping B; negative masks damping of the device."),
@@ -148,44 +185,57 @@ std::vector<ObjectSpec> controller_specs(const MotionTerms& terms) {
                    .by_default({{"kind", "difference"}})
                    .doc("How velocity is estimated."),
                member::boolean("unilateral").by_default(false).doc("Active only for position > 0."),
-               member::boolean("no_pull").by_default(false).doc("A unilateral wall that never pulls inwards."),
+               member::boolean("no_pull").by_default(false).doc(
+                   "A unilateral wall that never pulls inwards."),
            }}};
 }
 
 std::vector<ObjectSpec> operator_specs(const MotionTerms& terms) {
-  return {{"free", "Nothing holds the port.", {}},
-          {"clamped", "The port does not move.", {}},
-          {"mass_spring_damper",
-           "A hand as inertia, damper and spring to ground; the spring is at rest at position zero.",
-           {
-               member::quantity(terms.inertia_name, terms.inertia).by_default(0).at_least(0).doc("Of the hand."),
-               member::quantity("damping", terms.damping).by_default(0).at_least(0).doc("To ground."),
-               member::quantity("stiffness", terms.stiffness).by_default(0).at_least(0).doc("To ground."),
-           }}};
+  return {
+      {"free", "Nothing holds the port.", {}},
+      {"clamped", "The port does not move.", {}},
+      {"mass_spring_damper",
+       "A hand as inertia, damper and spring to ground; the spring is at rest at position zero.",
+       {
+           member::quantity(terms.inertia_name, terms.inertia)
+               .by_default(0)
+               .at_least(0)
+               .doc("Of the hand."),
+           member::quantity("damping", terms.damping).by_default(0).at_least(0).doc("To ground."),
+           member::quantity("stiffness", terms.stiffness)
+               .by_default(0)
+               .at_least(0)
+               .doc("To ground."),
+       }}};
 }
 
 ObjectSpec sensor_spec(const MotionTerms& terms) {
-  return {"sensor",
-          "The position sensor.",
-          {
-              member::quantity("quantum", terms.quantum)
-                  .by_default(0)
-                  .at_least(0)
-                  .doc("Step of the encoder; 0 for none. The nearest multiple is sensed, halves up."),
-              member::quantity("offset", terms.position).by_default(0).doc("Added to the sensed position."),
-              member::choice("location", {"port", "motor"})
-                  .by_default("port")
-                  .doc("Differs only behind a compliant transmission."),
-          }};
+  return {
+      "sensor",
+      "The position sensor.",
+      {
+          member::quantity("quantum", terms.quantum)
+              .by_default(0)
+              .at_least(0)
+              .doc("Step of the encoder; 0 for none. The nearest multiple is sensed, halves up."),
+          member::quantity("offset", terms.position)
+              .by_default(0)
+              .doc("Added to the sensed position."),
+          member::choice("location", {"port", "motor"})
+              .by_default("port")
+              .doc("Differs only behind a compliant transmission."),
+      }};
 }
 
 ObjectSpec sampling_spec() {
   return {"sampling",
           "The controller's clock.",
           {
-              member::time("period").required().above(0).doc("Between samples; exact, \"1/60 s\" is possible."),
+              member::time("period").required().above(0).doc(
+                  "Between samples; exact, \"1/60 s\" is possible."),
               member::time("delay").by_default(0).at_least(0).doc(
-                  "From sampling to the command taking effect; any length, fractions of the period included."),
+                  "From sampling to the command taking effect; any length, fractions of the period "
+                  "included."),
           }};
 }
 
@@ -197,7 +247,9 @@ ObjectSpec simulation_spec(const MotionTerms& terms) {
               member::quantity("initial_velocity", terms.velocity)
                   .by_default(0)
                   .doc("Of all inertias at the first sample."),
-              member::quantity("initial_position", terms.position).by_default(0).doc("At the first sample."),
+              member::quantity("initial_position", terms.position)
+                  .by_default(0)
+                  .doc("At the first sample."),
               member::quantity("external_effort", terms.effort)
                   .by_default(0)
                   .doc("Constant effort on the port, beside the operator."),
@@ -205,35 +257,45 @@ ObjectSpec simulation_spec(const MotionTerms& terms) {
 }
 
 ObjectSpec model_spec(const MotionTerms& terms) {
-  return {terms.name,
-          terms.name == rotary_terms.name ? "A rotary device: N.m and rad." : "A linear device: N and m.",
-          {
-              member::choice("schema", {model_schema_name}).by_default(model_schema_name).doc("Version of the format."),
-              member::text("name").by_default("unnamed").doc("Shown in reports."),
-              member::object("motor", motor_spec(terms)).doc("Needed by every amplifier but ideal."),
-              member::object("mechanics", mechanics_spec(terms)).required().doc("What moves."),
-              member::variant("amplifier", amplifier_specs())
-                  .by_default({{"kind", "current"}})
-                  .doc("The command is an effort, scaled so that at DC the blocked effort equals it."),
-              member::variant("damping", damping_specs())
-                  .list()
-                  .by_default(json::array())
-                  .doc("Circuits across the motor terminals."),
-              member::object("sensor", sensor_spec(terms)).by_default(json::object()).doc("The position sensor."),
-              member::object("sampling", sampling_spec()).required().doc("The controller's clock."),
-              member::variant("controller", controller_specs(terms))
-                  .by_default({{"kind", "none"}})
-                  .doc("What computes the command."),
-              member::variant("operator", operator_specs(terms))
-                  .by_default({{"kind", "free"}})
-                  .doc("Who holds the port in `simulate` and `zwidth --criterion coupled`."),
-              member::object("simulation", simulation_spec(terms)).by_default(json::object()).doc("What `simulate` runs."),
-          }};
+  return {
+      terms.name,
+      terms.name == rotary_terms.name ? "A rotary device: N.m and rad."
+                                      : "A linear device: N and m.",
+      {
+          member::choice("schema", {model_schema_name})
+              .by_default(model_schema_name)
+              .doc("Version of the format."),
+          member::text("name").by_default("unnamed").doc("Shown in reports."),
+          member::object("motor", motor_spec(terms)).doc("Needed by every amplifier but ideal."),
+          member::object("mechanics", mechanics_spec(terms)).required().doc("What moves."),
+          member::variant("amplifier", amplifier_specs())
+              .by_default({{"kind", "current"}})
+              .doc("The command is an effort, scaled so that at DC the blocked effort equals it."),
+          member::variant("damping", damping_specs())
+              .list()
+              .by_default(json::array())
+              .doc("Circuits across the motor terminals."),
+          member::object("sensor", sensor_spec(terms))
+              .by_default(json::object())
+              .doc("The position sensor."),
+          member::object("sampling", sampling_spec()).required().doc("The controller's clock."),
+          member::variant("controller", controller_specs(terms))
+              .by_default({{"kind", "none"}})
+              .doc("What computes the command."),
+          member::variant("operator", operator_specs(terms))
+              .by_default({{"kind", "free"}})
+              .doc("Who holds the port in `simulate` and `zwidth --criterion coupled`."),
+          member::object("simulation", simulation_spec(terms))
+              .by_default(json::object())
+              .doc("What `simulate` runs."),
+      }};
 }
 
 }  // namespace
 
-const MotionUnits& units_of(Motion motion) { return motion == Motion::rotary ? rotary_units : linear_units; }
+const MotionUnits& units_of(Motion motion) {
+  return motion == Motion::rotary ? rotary_units : linear_units;
+}
 
 const Member& model_format() {
   static const Member format =

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "gyrator/mechanics/device.hpp"
 #include "gyrator/documents/document_spec.hpp"
+#include "gyrator/mechanics/device.hpp"
 
 namespace gyrator {
 

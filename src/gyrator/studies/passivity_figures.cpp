@@ -1,9 +1,9 @@
 // The figures about passivity: passivity_figure, zwidth_figure and finding_figure.
 
 #include "gyrator/core/error.hpp"
+#include "gyrator/plots/pretty_text.hpp"
 #include "gyrator/studies/result_fields.hpp"
 #include "gyrator/studies/result_figures.hpp"
-#include "gyrator/plots/pretty_text.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,8 +2,8 @@
 
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/interrupt.hpp"
-#include "gyrator/plots/html.hpp"
 #include "gyrator/documents/output_file.hpp"
+#include "gyrator/plots/html.hpp"
 #include "gyrator/studies/report_sections.hpp"
 #include "gyrator/studies/result_fields.hpp"
 #include "gyrator/studies/result_figures.hpp"

@@ -3,9 +3,9 @@
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/text.hpp"
 #include "gyrator/plots/html.hpp"
+#include "gyrator/plots/pretty_text.hpp"
 #include "gyrator/studies/result_fields.hpp"
 #include "gyrator/studies/result_figures.hpp"
-#include "gyrator/plots/pretty_text.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,16 +1,16 @@
 #include "gyrator/studies/results.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
-#include <fmt/core.h>
-
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/interrupt.hpp"
 #include "gyrator/passivity/port_response.hpp"
 #include "gyrator/studies/progress.hpp"
 #include "gyrator/version.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/core.h>
 
 namespace gyrator {
 namespace {
@@ -28,10 +28,14 @@ json start_result(const char* command, const Model& model) {
           {"units", unit_names(model.device.motion)}};
 }
 
-json optional_number(const std::optional<double>& value) { return value ? json(*value) : json(nullptr); }
+json optional_number(const std::optional<double>& value) {
+  return value ? json(*value) : json(nullptr);
+}
 
 // Infinite limits and radii have no JSON number: null.
-json finite_or_null(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
+json finite_or_null(double value) {
+  return std::isfinite(value) ? json(value) : json(nullptr);
+}
 
 json criterion_json(const CriterionResult& c) {
   return {{"name", c.name},
@@ -63,13 +67,15 @@ json simulate_counterexample(const Model& model, const Counterexample& found) {
   const double period = model.sampling.period.to_double();
   // At least ten periods of the oscillation, at most what takes a second.
   const double oscillation = found.frequency_hz > 0 ? 10 / (found.frequency_hz * period) : 0;
-  const auto samples = static_cast<std::int64_t>(std::clamp(std::max(wanted_growth / rate, oscillation), 60.0, most_samples));
+  const auto samples = static_cast<std::int64_t>(
+      std::clamp(std::max(wanted_growth / rate, oscillation), 60.0, most_samples));
   SimulationOptions options;
   options.duration = model.sampling.period * Rational(samples);
   options.initial_velocity = model.initial_velocity != 0 ? model.initial_velocity : 1e-3;
   options.initial_position = model.initial_position;
   options.engine_options.ledger = false;
-  options.record_every = std::max<long>(1, static_cast<long>(std::floor(static_cast<double>(samples) / rows)));
+  options.record_every =
+      std::max<long>(1, static_cast<long>(std::floor(static_cast<double>(samples) / rows)));
   // The loop that the verdict is about: the wall in contact, nothing quantized.
   Controller controller = model.controller;
   if (auto* wall = std::get_if<VirtualWall>(&controller)) wall->unilateral = wall->no_pull = false;
@@ -109,7 +115,9 @@ auto naming_file(const Model& model, const Function& analyse) {
   }
 }
 
-const VirtualWall* wall_of(const Model& model) { return std::get_if<VirtualWall>(&model.controller); }
+const VirtualWall* wall_of(const Model& model) {
+  return std::get_if<VirtualWall>(&model.controller);
+}
 
 }  // namespace
 
@@ -136,8 +144,9 @@ json make_impedance_result(const Model& model, const std::vector<double>& freque
 }
 
 json make_passivity_result(const Model& model, const PassivityRequest& request) {
-  const Verdict v =
-      naming_file(model, [&] { return judge_passivity(model.passivity_model(), request.search_counterexample); });
+  const Verdict v = naming_file(model, [&] {
+    return judge_passivity(model.passivity_model(), request.search_counterexample);
+  });
   json result = start_result("passivity", model);
   result["verdict"] = v.passive ? "passive" : "not_passive";
   result["explanation"] = v.explanation;
@@ -158,14 +167,16 @@ json make_passivity_result(const Model& model, const PassivityRequest& request) 
                                       {"total", v.curves.total},
                                       {"exact", v.curves.exact}};
   if (std::abs(v.shown_law) > 0) result["disk"] = disk_json(v);
-  result["counterexample"] =
-      v.counterexample ? counterexample_json(model, *v.counterexample, request.simulate_counterexample) : json(nullptr);
+  result["counterexample"] = v.counterexample ? counterexample_json(model, *v.counterexample,
+                                                                    request.simulate_counterexample)
+                                              : json(nullptr);
   return result;
 }
 
 std::vector<double> choose_damping_range(const Model& model, int points) {
   const auto* wall = wall_of(model);
-  StiffnessLimits limits(model.device, model.sampling, wall ? wall->velocity : DifferenceEstimator{}, model.held_by);
+  StiffnessLimits limits(model.device, model.sampling,
+                         wall ? wall->velocity : DifferenceEstimator{}, model.held_by);
   const double b = limits.disk().model().at(limits.grid().front()).impedance.real();
   const auto feasible = [&](double damping) {
     return naming_file(model, [&] { return limits.find(Criterion::exact_disk, damping).feasible; });
@@ -190,7 +201,8 @@ json make_zwidth_result(const Model& model, const ZwidthRequest& request) {
   require_stable_device(model.device);
   json result = start_result("zwidth", model);
   const auto* wall = wall_of(model);
-  StiffnessLimits limits(model.device, model.sampling, wall ? wall->velocity : DifferenceEstimator{}, model.held_by);
+  StiffnessLimits limits(model.device, model.sampling,
+                         wall ? wall->velocity : DifferenceEstimator{}, model.held_by);
   Progress progress("Z-width", request.damping.size() * request.criteria.size(), request.quiet);
   json boundaries = json::array();
   for (const Criterion criterion : request.criteria) {
@@ -199,7 +211,8 @@ json make_zwidth_result(const Model& model, const ZwidthRequest& request) {
     json frequency = json::array();
     for (const double damping : request.damping) {
       throw_if_interrupted("zwidth");
-      const StiffnessLimit limit = naming_file(model, [&] { return limits.find(criterion, damping); });
+      const StiffnessLimit limit =
+          naming_file(model, [&] { return limits.find(criterion, damping); });
       stiffness.push_back(finite_or_null(limit.stiffness));
       feasible.push_back(limit.feasible);
       frequency.push_back(limit.worst_frequency_hz);
@@ -211,7 +224,8 @@ json make_zwidth_result(const Model& model, const ZwidthRequest& request) {
                           {"feasible", feasible},
                           {"worst_frequency_hz", frequency}});
   }
-  for (const char* key : {"criterion", "damping", "max_stiffness", "feasible"}) result[key] = boundaries.front()[key];
+  for (const char* key : {"criterion", "damping", "max_stiffness", "feasible"})
+    result[key] = boundaries.front()[key];
   result["boundaries"] = std::move(boundaries);
   if (wall) result["point"] = {{"damping", wall->damping}, {"stiffness", wall->stiffness}};
   return result;
@@ -222,16 +236,21 @@ namespace {
 // The ledger is the check of every run: what it cannot account for did not happen.
 void check_ledger(const Model& model, const TimeRun& run, double tolerance) {
   const EnergyLedger& e = run.energy;
-  const double moved = std::abs(e.operator_work) + std::abs(e.source) + e.dissipated + e.stored + e.stored_initially;
+  const double moved =
+      std::abs(e.operator_work) + std::abs(e.source) + e.dissipated + e.stored + e.stored_initially;
   if (std::abs(e.residual) <= tolerance * moved) return;
-  const FastestElement fastest = find_fastest_element(build_device_network(model.device, model.held_by));
+  const FastestElement fastest =
+      find_fastest_element(build_device_network(model.device, model.held_by));
   if (!std::isfinite(e.residual)) {
     throw Error(ErrorCode::numerical, fmt::format("t = {:g} s", run.final_time_s),
-                "the numbers of the run are no longer finite: an initial value or a component is out of all proportion");
+                "the numbers of the run are no longer finite: an initial value or a component is "
+                "out of all proportion");
   }
   throw Error(ErrorCode::numerical, fastest.element,
-              fmt::format("the energy ledger does not close (residual {:.3g} J of {:.3g} J moved, t = {:g} s): this element "
-                          "gives a pole at {:.3g} rad/s, too fast to be resolved beside the sampling; leave it out (0) or "
+              fmt::format("the energy ledger does not close (residual {:.3g} J of {:.3g} J moved, "
+                          "t = {:g} s): this element "
+                          "gives a pole at {:.3g} rad/s, too fast to be resolved beside the "
+                          "sampling; leave it out (0) or "
                           "give it a realistic value",
                           e.residual, moved, run.final_time_s, fastest.rate));
 }
@@ -241,7 +260,8 @@ void check_ledger(const Model& model, const TimeRun& run, double tolerance) {
 TimeRun run_simulation(const Model& model, const SimulationRequest& request) {
   if (model.device.mechanics.coulomb_friction > 0) {
     throw Error(ErrorCode::bad_input, model.file + ": /mechanics/coulomb_friction",
-                fmt::format("{:g}: simulate takes devices without Coulomb friction only; set it to 0 (the criterion "
+                fmt::format("{:g}: simulate takes devices without Coulomb friction only; set it to "
+                            "0 (the criterion "
                             "quantized_coulomb of `passivity` uses it)",
                             model.device.mechanics.coulomb_friction));
   }
@@ -266,30 +286,37 @@ TimeRun run_simulation(const Model& model, const SimulationRequest& request) {
     // The simulation knows keys, not files and options.
     if (error.code() != ErrorCode::bad_input) throw;
     const bool option = error.place() == "simulation/duration" && request.duration;
-    throw Error(error.code(), option ? "--duration" : model.file + ": /" + error.place(), error.message());
+    throw Error(error.code(), option ? "--duration" : model.file + ": /" + error.place(),
+                error.message());
   }
 }
 
-json make_simulation_result(const Model& model, const SimulationRequest& request, const TimeRun& run) {
+json make_simulation_result(const Model& model, const SimulationRequest& request,
+                            const TimeRun& run) {
   json result = start_result("simulate", model);
-  result["engine"] = request.engine == EngineKind::exact ? "exact" : request.engine == EngineKind::cvode ? "cvode" : "odeint";
+  result["engine"] = request.engine == EngineKind::exact   ? "exact"
+                     : request.engine == EngineKind::cvode ? "cvode"
+                                                           : "odeint";
   result["final_time_s"] = run.final_time_s;
   result["steps"] = run.steps;
   result["stopped_early"] = run.stopped_early;
   result["classification"] = name_of(run.classification.outcome);
   result["growth"] = run.classification.growth;
-  result["oscillation"] = {{"frequency_hz", run.classification.frequency_hz}, {"amplitude", run.classification.amplitude}};
+  result["oscillation"] = {{"frequency_hz", run.classification.frequency_hz},
+                           {"amplitude", run.classification.amplitude}};
   const EnergyLedger& e = run.energy;
-  result["energy"] = {{"operator", e.operator_work},       {"source", e.source},
-                      {"stored", e.stored},                {"stored_initially", e.stored_initially},
-                      {"dissipated", e.dissipated},        {"residual", e.residual}};
+  result["energy"] = {{"operator", e.operator_work}, {"source", e.source},
+                      {"stored", e.stored},          {"stored_initially", e.stored_initially},
+                      {"dissipated", e.dissipated},  {"residual", e.residual}};
   const std::size_t rows = run.trace.columns.front().size();
-  const std::size_t stride = std::max<std::size_t>(1, (rows + most_trace_rows - 1) / most_trace_rows);
+  const std::size_t stride =
+      std::max<std::size_t>(1, (rows + most_trace_rows - 1) / most_trace_rows);
   json trace = json::object();
   json energy_trace = json::object();
   for (std::size_t c = 0; c < run.trace.names.size(); ++c) {
     json column = json::array();
-    for (std::size_t row = 0; row < rows; row += stride) column.push_back(run.trace.columns[c][row]);
+    for (std::size_t row = 0; row < rows; row += stride)
+      column.push_back(run.trace.columns[c][row]);
     const std::string& name = run.trace.names[c];
     constexpr std::string_view prefix = "energy_";
     if (name == "time_s") energy_trace[name] = column;

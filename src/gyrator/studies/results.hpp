@@ -1,12 +1,12 @@
 #pragma once
 
+#include "gyrator/passivity/stiffness_limit.hpp"
+#include "gyrator/studies/model_file.hpp"
+
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
-
-#include "gyrator/passivity/stiffness_limit.hpp"
-#include "gyrator/studies/model_file.hpp"
 
 namespace gyrator {
 
@@ -25,9 +25,9 @@ struct PassivityRequest {
 nlohmann::json make_passivity_result(const Model& model, const PassivityRequest& request);
 
 struct ZwidthRequest {
-  std::vector<double> damping;        ///< virtual dampings B [N.s/m, N.m.s/rad]
+  std::vector<double> damping;  ///< virtual dampings B [N.s/m, N.m.s/rad]
   std::vector<Criterion> criteria;
-  bool quiet = true;                  ///< no progress bar
+  bool quiet = true;  ///< no progress bar
 };
 /// Largest stiffness over virtual damping, one boundary per criterion.
 nlohmann::json make_zwidth_result(const Model& model, const ZwidthRequest& request);
@@ -45,6 +45,7 @@ struct SimulationRequest {
 /// cannot be trusted: overflow, or an energy ledger that does not close.
 TimeRun run_simulation(const Model& model, const SimulationRequest& request);
 /// The run as a result; long traces are thinned for it.
-nlohmann::json make_simulation_result(const Model& model, const SimulationRequest& request, const TimeRun& run);
+nlohmann::json make_simulation_result(const Model& model, const SimulationRequest& request,
+                                      const TimeRun& run);
 
 }  // namespace gyrator

@@ -187,8 +187,7 @@ TEST(ParseTime, says_what_is_wrong) {
   EXPECT_EQ(message("1 mS"),
             "'1 mS': unknown unit of time 'mS': allowed: s, ms, us, ns, min; did you mean "
             "'ms'?");
-  EXPECT_EQ(message("1 kHz"),
-            "'1 kHz': unknown unit of time 'kHz': allowed: s, ms, us, ns, min");
+  EXPECT_EQ(message("1 kHz"), "'1 kHz': unknown unit of time 'kHz': allowed: s, ms, us, ns, min");
   EXPECT_NE(message("1/0 s").find("the divisor is 0"), std::string::npos);
   EXPECT_NE(message("ms").find("a time is expected"), std::string::npos);
   EXPECT_NE(message("nan").find("a time is expected"), std::string::npos);

@@ -210,13 +210,15 @@ TEST(ReadDocument, wrong_type_tells_what_was_found) {
 }
 
 TEST(ReadDocument, item_of_a_list_is_not_asked_to_be_a_list) {
-  EXPECT_EQ(find_refusal(with("/damping", {3})).message,
-            "found the number 3: an object with \"kind\" one of resistor, rc, cancellation is expected");
+  EXPECT_EQ(
+      find_refusal(with("/damping", {3})).message,
+      "found the number 3: an object with \"kind\" one of resistor, rc, cancellation is expected");
 }
 
 TEST(ReadDocument, long_list_of_keys_is_cut_between_two) {
   json motor;
-  for (const char c : {'a', 'b', 'c', 'd', 'e', 'f', 'g'}) motor["key_of_many_" + std::string(1, c)] = 1;
+  for (const char c : {'a', 'b', 'c', 'd', 'e', 'f', 'g'})
+    motor["key_of_many_" + std::string(1, c)] = 1;
   const auto message = find_refusal(with("/name", motor)).message;
   EXPECT_NE(message.find("key_of_many_c, key_of_many_d, …"), std::string::npos) << message;
 }
