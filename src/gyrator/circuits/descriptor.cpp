@@ -21,7 +21,7 @@ bool has_branch_unknown(const ElementLaw& law) {
   return std::holds_alternative<Inductor>(law) || std::holds_alternative<VoltageSource>(law) ||
          std::holds_alternative<VoltageControlledVoltageSource>(law) ||
          std::holds_alternative<CurrentControlledVoltageSource>(law) ||
-         std::holds_alternative<Transformer>(law);
+         std::holds_alternative<Transformer>(law) || std::holds_alternative<IdealOpAmp>(law);
 }
 
 }  // namespace
@@ -147,6 +147,14 @@ void NetworkEquations::stamp(ElementId id) {
             stamp_transconductance(p, n, e.second_positive, e.second_negative, e.transconductance);
             stamp_transconductance(e.second_positive, e.second_negative, p, n, -e.transconductance);
           },
+          [&](const MutualInductance& e) {
+            d.E(branch_of(e.first), branch_of(e.second)) += e.inductance;
+            d.E(branch_of(e.second), branch_of(e.first)) += e.inductance;
+          },
+          [&](const IdealOpAmp& e) {  // 0 = v_+ - v_-
+            stamp_flow(p, n, branch, 1);
+            stamp_across(branch, e.control_positive, e.control_negative, 1);
+          },
       },
       element.law);
 }
@@ -182,6 +190,7 @@ LinearForm NetworkEquations::through(ElementId id) const {
           [&](const Gyrator& e) {
             form.x = across(e.second_positive, e.second_negative).x * e.transconductance;
           },
+          [&](const MutualInductance&) {},  // carries none of its own
           [&](const auto&) {
             throw Error(ErrorCode::bad_input, element.name,
                         "the current of a capacitor is the derivative of an unknown: put an "

@@ -23,7 +23,8 @@ bool is_source(const ElementLaw& law) {
          std::holds_alternative<VoltageControlledVoltageSource>(law) ||
          std::holds_alternative<VoltageControlledCurrentSource>(law) ||
          std::holds_alternative<CurrentControlledVoltageSource>(law) ||
-         std::holds_alternative<CurrentControlledCurrentSource>(law);
+         std::holds_alternative<CurrentControlledCurrentSource>(law) ||
+         std::holds_alternative<IdealOpAmp>(law);
 }
 
 }  // namespace
@@ -59,6 +60,10 @@ EnergyForms build_energy_forms(const NetworkEquations& equations, const Reductio
     } else if (const auto* l = std::get_if<Inductor>(&element.law)) {
       const RowVectorXd current = row_of(equations.through(id));
       forms.stored += outer(current, current) * l->inductance / 2;
+    } else if (const auto* coupling = std::get_if<MutualInductance>(&element.law)) {
+      forms.stored += outer(row_of(equations.through(coupling->first)),
+                            row_of(equations.through(coupling->second))) *
+                      coupling->inductance;
     } else if (is_source(element.law)) {
       const ReducedForm v = reduction.reduce(equations.across(id));
       const ReducedForm i = reduction.reduce(equations.through(id));

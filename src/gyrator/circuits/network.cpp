@@ -69,12 +69,34 @@ void Network::check_references(const std::string& name, const Law& law) const {
                   fmt::format("input {} does not exist in the network", *input));
     }
   }
-  if constexpr (requires { law.control; }) {
-    if (law.control.index < 0 || law.control.index >= static_cast<int>(elements_.size())) {
-      throw Error(ErrorCode::bad_input, name,
-                  fmt::format("element {} does not exist in the network", law.control.index));
-    }
+  if constexpr (requires { law.control; }) check_element(name, law.control);
+  if constexpr (requires { law.first; }) {
+    check_element(name, law.first);
+    check_element(name, law.second);
   }
+}
+
+void Network::check_element(const std::string& name, ElementId id) const {
+  if (id.index >= 0 && id.index < static_cast<int>(elements_.size())) return;
+  throw Error(ErrorCode::bad_input, name,
+              fmt::format("element {} does not exist in the network", id.index));
+}
+
+void Network::check_coupling(const std::string& name, const MutualInductance& coupling) const {
+  const auto* first = std::get_if<Inductor>(&element(coupling.first).law);
+  const auto* second = std::get_if<Inductor>(&element(coupling.second).law);
+  if (!first || !second || coupling.first == coupling.second) {
+    throw Error(ErrorCode::bad_input, name,
+                fmt::format("couples {} and {}: two different inductors can be coupled",
+                            element(coupling.first).name, element(coupling.second).name));
+  }
+  const double most = std::sqrt(first->inductance * second->inductance);
+  if (std::abs(coupling.inductance) <= most * (1 + 1e-12)) return;
+  throw Error(ErrorCode::bad_input, name,
+              fmt::format("mutual inductance of {:g} H between {} and {}: at most {:g} H, the "
+                          "geometric mean of the two",
+                          coupling.inductance, element(coupling.first).name,
+                          element(coupling.second).name, most));
 }
 
 ElementId Network::add(std::string name, NodeId positive, NodeId negative, ElementLaw law,
@@ -85,6 +107,7 @@ ElementId Network::add(std::string name, NodeId positive, NodeId negative, Eleme
     throw Error(ErrorCode::bad_input, name,
                 "an element of this name exists already: names are unique");
   }
+  std::visit([&](const auto& e) { check_references(name, e); }, law);
   std::visit(
       Overloaded{
           [&](const Resistor& e) { check_positive(name, "resistance", "ohm", e.resistance); },
@@ -103,9 +126,10 @@ ElementId Network::add(std::string name, NodeId positive, NodeId negative, Eleme
           [&](const CurrentControlledCurrentSource& e) { check_finite(name, "gain", e.gain); },
           [&](const Transformer& e) { check_finite(name, "ratio", e.ratio); },
           [&](const Gyrator& e) { check_finite(name, "transconductance", e.transconductance); },
+          [&](const MutualInductance& e) { check_coupling(name, e); },
+          [&](const IdealOpAmp&) {},
       },
       law);
-  std::visit([&](const auto& e) { check_references(name, e); }, law);
   elements_.push_back({std::move(name), role, positive, negative, law});
   return {static_cast<int>(elements_.size()) - 1};
 }

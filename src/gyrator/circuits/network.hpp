@@ -83,10 +83,23 @@ struct Gyrator {
   NodeId second_positive, second_negative;
 };
 
-using ElementLaw = std::variant<Resistor, Conductance, Inductor, Capacitor, VoltageSource,
-                                CurrentSource, VoltageControlledVoltageSource,
-                                VoltageControlledCurrentSource, CurrentControlledVoltageSource,
-                                CurrentControlledCurrentSource, Transformer, Gyrator>;
+/// Magnetic coupling of two inductors, M = k sqrt(L_1 L_2): L_1 di_1/dt + M di_2/dt = v_1 and
+/// likewise in the second. Has no terminals of its own (both at ground).
+struct MutualInductance {
+  double inductance = 0;  ///< M [H], |M| <= sqrt(L_1 L_2), of either sign
+  ElementId first, second;
+};
+/// Ideal operational amplifier (a nullor): whatever flows from its output keeps both inputs equal.
+/// The output lies between the element's own terminals; the inputs draw nothing.
+struct IdealOpAmp {
+  NodeId control_positive, control_negative;
+};
+
+using ElementLaw =
+    std::variant<Resistor, Conductance, Inductor, Capacitor, VoltageSource, CurrentSource,
+                 VoltageControlledVoltageSource, VoltageControlledCurrentSource,
+                 CurrentControlledVoltageSource, CurrentControlledCurrentSource, Transformer,
+                 Gyrator, MutualInductance, IdealOpAmp>;
 
 struct Element {
   std::string name;
@@ -128,6 +141,8 @@ class Network {
 
  private:
   void check_node(const std::string& element, NodeId node) const;
+  void check_element(const std::string& name, ElementId id) const;
+  void check_coupling(const std::string& name, const MutualInductance& coupling) const;
   template <class Law>
   void check_references(const std::string& name, const Law& law) const;
 

@@ -341,5 +341,42 @@ TEST(SteadyState, leaves_a_node_between_two_capacitors_at_zero_and_has_none_for_
   EXPECT_TRUE(std::isnan((equations.across(tank).x * x)(current))) << "c3 charges for ever";
 }
 
+TEST(Descriptor, coupled_inductors_are_a_transformer_with_leakage) {
+  // V = (s L1 - (s M)^2/(R + s L2)) I seen from the first winding, the second loaded by R.
+  const double l1 = 4e-3, l2 = 1e-3, m = -1.5e-3, r = 7;
+  Network network;
+  const int u = network.add_input("u");
+  const NodeId a = network.add_node("a", Domain::electrical);
+  const NodeId b = network.add_node("b", Domain::electrical);
+  const ElementId source = network.add("source", a, ground, VoltageSource{u});
+  const ElementId first = network.add("l1", a, ground, Inductor{l1});
+  const ElementId second = network.add("l2", b, ground, Inductor{l2});
+  network.add("k", ground, ground, MutualInductance{m, first, second});
+  network.add("load", b, ground, Resistor{r});
+  const NetworkEquations equations(network);
+  const std::complex<double> s(0, 2e4);
+  const Eigen::MatrixXcd x = solve_descriptor(equations.descriptor(), s);
+  const std::complex<double> seen = s * l1 - s * m * s * m / (r + s * l2);
+  const std::complex<double> current = -(equations.through(source).x * x)(0);
+  EXPECT_LE(std::abs(current - 1.0 / seen), 1e-13 / std::abs(seen));
+}
+
+TEST(Descriptor, an_ideal_op_amp_holds_its_inputs_equal) {
+  // Inverting integrator: v_out/u = -1/(s R C).
+  Network network;
+  const int u = network.add_input("u");
+  const NodeId in = network.add_node("in", Domain::electrical);
+  const NodeId minus = network.add_node("minus", Domain::electrical);
+  const NodeId out = network.add_node("out", Domain::electrical);
+  network.add("source", in, ground, VoltageSource{u});
+  network.add("r", in, minus, Resistor{1e4});
+  network.add("c", minus, out, Capacitor{1e-7});
+  network.add("opamp", out, ground, IdealOpAmp{ground, minus});
+  const NetworkEquations equations(network);
+  const std::complex<double> s(0, 300);
+  const Eigen::MatrixXcd x = solve_descriptor(equations.descriptor(), s);
+  EXPECT_LE(std::abs((equations.across(out).x * x)(0) + 1.0 / (s * 1e-3)), 1e-13 * 10);
+}
+
 }  // namespace
 }  // namespace gyrator

@@ -157,5 +157,21 @@ TEST(Network, both_sides_of_a_two_port_count_as_touching_a_node) {
   EXPECT_EQ(network.elements_at(a), (std::vector<std::string>{"motor", "gyrator", "amplifier"}));
 }
 
+TEST(Network, only_two_different_inductors_can_be_coupled_and_no_closer_than_completely) {
+  Bench bench;
+  const ElementId first = bench.network.add("l1", bench.a, ground, Inductor{4e-3});
+  const ElementId second = bench.network.add("l2", bench.a, ground, Inductor{1e-3});
+  EXPECT_EQ(bench.refuse(MutualInductance{1e-3, first, first}),
+            "couples l1 and l1: two different inductors can be coupled");
+  EXPECT_EQ(bench.refuse(MutualInductance{1e-3, first, bench.ammeter}),
+            "couples l1 and ammeter: two different inductors can be coupled");
+  EXPECT_EQ(bench.refuse(MutualInductance{-2.1e-3, first, second}),
+            "mutual inductance of -0.0021 H between l1 and l2: at most 0.002 H, the geometric mean "
+            "of the two");
+  EXPECT_EQ(bench.refuse(MutualInductance{1e-3, first, ElementId{7}}),
+            "element 7 does not exist in the network");
+  EXPECT_EQ(bench.refuse(MutualInductance{-2e-3, first, second}), "accepted");
+}
+
 }  // namespace
 }  // namespace gyrator
