@@ -121,7 +121,7 @@ TEST(DampingCurves, fig_8_21_dips_below_zero_with_the_filter_that_it_claims) {
   // filter of fig. 8.20 it dips to -0.12…-0.18 of b: the published claim is not reproduced as
   // stated.
   Device device = make_plant(0.1 * b, 0);
-  device.mechanics.high_pass_damper = HighPassDamper{0.01 * b, b};
+  device.drive.damping.push_back(HighPassDamper{0.01 * b, b});
   const VirtualWall wall{1.8 * b / T, 0.9 * b, FilteredDifferenceEstimator{cutoff_hz}};
   const DampingCurves curves = draw(device, wall);
   EXPECT_NEAR(find_least(curves.total), -0.12 * b, 0.005 * b);
@@ -148,7 +148,7 @@ TEST(DampingCurves, fig_8_21_is_barely_positive_for_a_lower_cut_off_at_a_shorter
   // Case 23: positive for a cut-off of 0.04–0.07 w_N at T 0.1 ms.
   const Sampling fast{Rational(1, 10000), 0};
   Device device = make_plant(0.1 * b, 0);
-  device.mechanics.high_pass_damper = HighPassDamper{0.01 * b, b};
+  device.drive.damping.push_back(HighPassDamper{0.01 * b, b});
   for (const double share : {0.04, 0.055, 0.07, 0.09}) {
     const VirtualWall wall{1.8 * b / 1e-4, 0.9 * b, FilteredDifferenceEstimator{share * 5000}};
     const DampingCurves curves = judge_passivity({device, wall, fast, 0}, false).curves;

@@ -85,7 +85,7 @@ inline std::vector<NamedDevice> make_device_list() {
   list.push_back({"motor without inductance", resistive});
 
   Device high_pass = make_p3();
-  high_pass.mechanics.high_pass_damper = HighPassDamper{.inertia = 0.02, .damping = 2};
+  high_pass.drive.damping.push_back(HighPassDamper{.inertia = 0.02, .damping = 2});
   list.push_back({"high-pass damper", high_pass});
 
   for (const SensorLocation sensor : {SensorLocation::port, SensorLocation::motor}) {
@@ -96,7 +96,7 @@ inline std::vector<NamedDevice> make_device_list() {
     const std::string place = sensor == SensorLocation::port ? "port" : "motor";
     list.push_back({"compliant transmission, sensor at the " + place, compliant});
     compliant.drive.amplifier = VoltageAmplifier{.bandwidth_hz = 2000};
-    compliant.mechanics.high_pass_damper = HighPassDamper{.inertia = 5e-6, .damping = 1e-3};
+    compliant.drive.damping.push_back(HighPassDamper{.inertia = 5e-6, .damping = 1e-3});
     list.push_back({"all mechanics, sensor at the " + place, compliant});
   }
   return list;

@@ -12,6 +12,7 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
+#include "stability_text.hpp"
 #include "usage_errors.hpp"
 
 namespace gyrator::app {
@@ -75,7 +76,7 @@ std::string describe(const Model& model, const nlohmann::json& result, bool verb
         "plot.\n",
         frequency.size());
   }
-  return text;
+  return text + describe_stability_edges(model, result);
 }
 
 void run(const Options& options) {

@@ -1,75 +1,80 @@
 #include "gyrator/circuits/drive.hpp"
 
+#include "gyrator/circuits/drive_parts.hpp"
 #include "gyrator/core/error.hpp"
 
+#include <algorithm>
 #include <numbers>
+#include <string>
 
 #include <fmt/core.h>
 
 namespace gyrator {
 namespace {
 
-// The winding from `terminal` through R_m, L_m and the back-EMF to ground; returns its ammeter.
-ElementId add_motor(Network& network, const Motor& motor, NodeId terminal, NodeId shaft) {
-  const NodeId winding = network.add_node("motor.winding", Domain::electrical);
-  const ElementId ammeter = network.add("motor.ammeter", terminal, winding, VoltageSource{});
-  NodeId emf = network.add_node("motor.emf", Domain::electrical);
+std::string name_of_damping(std::size_t i) {
+  return fmt::format("damping.{}", i);
+}
+
+// What lies behind the ammeter: the series parts, the winding and the back-EMF to ground.
+void add_motor(DriveParts& parts, const Drive& drive) {
+  Network& network = parts.network;
+  const Motor& motor = *drive.motor;
+  const NodeId terminal = network.add_node("motor.terminal", Domain::electrical);
+  parts.taps.terminal = terminal;
+  parts.winding = network.add_node("motor.winding", Domain::electrical);
+  parts.taps.motor_ammeter = network.add("motor.ammeter", terminal, parts.winding, VoltageSource{});
+  for (std::size_t i = 0; i < drive.damping.size(); ++i)
+    add_in_series(parts, drive.damping[i], name_of_damping(i));
+  const NodeId emf = network.add_node("motor.emf", Domain::electrical);
   NodeId inner = emf;
   if (motor.inductance > 0) {
     inner = network.add_node("motor.inner", Domain::electrical);
     network.add("motor.inductance", inner, emf, Inductor{motor.inductance});
   }
-  network.add("motor.resistance", winding, inner, Resistor{motor.resistance});
+  network.add("motor.resistance", parts.winding, inner, Resistor{motor.warm_resistance()});
   network.add("motor.torque_constant", emf, ground,
-              Transformer{motor.torque_constant, shaft, ground});
-  return ammeter;
+              Transformer{motor.torque_constant, parts.nodes.shaft, ground});
 }
 
-// A first-order lag 1/(1 + s/w_b) of the signal node `from`; carries no physical power.
-NodeId add_lag(Network& network, const std::string& name, NodeId from, double bandwidth_hz) {
-  const NodeId lagged = network.add_node(name, Domain::electrical);
-  network.add(name + ".resistance", from, lagged, Resistor{1.0}, Role::signal);
-  network.add(name + ".capacitance", lagged, ground,
-              Capacitor{1 / (2 * std::numbers::pi * bandwidth_hz)}, Role::signal);
-  return lagged;
-}
-
-void add_damping(Network& network, const Damping& damping, const std::string& name,
-                 NodeId terminal) {
-  if (const auto* resistor = std::get_if<ResistorDamping>(&damping)) {
-    network.add(name + ".resistance", terminal, ground, Resistor{resistor->resistance});
-  } else if (const auto* rc = std::get_if<RcDamping>(&damping)) {
-    NodeId capacitor = terminal;
-    if (rc->resistance > 0) {
-      capacitor = network.add_node(name + ".node", Domain::electrical);
-      network.add(name + ".resistance", terminal, capacitor, Resistor{rc->resistance});
-    }
-    network.add(name + ".capacitance", capacitor, ground, Capacitor{rc->capacitance});
-  }
-}
-
-void add_current_amplifier(Network& network, const CurrentAmplifier& amplifier, NodeId command,
-                           NodeId terminal, ElementId motor_ammeter, double gain) {
-  if (amplifier.bandwidth_hz) {
-    // di/dt = w_b (i_command - i_sensed): an integrator, 1/w_b as its capacitor.
-    if (amplifier.sense == CurrentSense::total) {
-      const NodeId current = add_lag(network, "amplifier.loop", command, *amplifier.bandwidth_hz);
-      network.add("amplifier", ground, terminal,
-                  VoltageControlledCurrentSource{gain, current, ground});
-      return;
-    }
-    const NodeId current = network.add_node("amplifier.loop", Domain::electrical);
-    network.add("amplifier.loop.integrator", current, ground,
-                Capacitor{1 / (2 * std::numbers::pi * *amplifier.bandwidth_hz)}, Role::signal);
-    network.add("amplifier.loop.command", ground, current,
-                VoltageControlledCurrentSource{gain, command, ground}, Role::signal);
-    network.add("amplifier.loop.sense", current, ground,
-                CurrentControlledCurrentSource{1.0, motor_ammeter}, Role::signal);
+void add_current_amplifier(DriveParts& parts, const CurrentAmplifier& amplifier, double gain) {
+  Network& network = parts.network;
+  const NodeId terminal = *parts.taps.terminal;
+  if (!amplifier.bandwidth_hz) {
     network.add("amplifier", ground, terminal,
-                VoltageControlledCurrentSource{1.0, current, ground});
+                VoltageControlledCurrentSource{gain, parts.command, ground});
     return;
   }
-  network.add("amplifier", ground, terminal, VoltageControlledCurrentSource{gain, command, ground});
+  // di/dt = w_b (i_command - i_sensed): an integrator, 1/w_b as its capacitor.
+  if (amplifier.sense == CurrentSense::total) {
+    const NodeId current =
+        add_lag(network, "amplifier.loop", parts.command, *amplifier.bandwidth_hz);
+    network.add("amplifier", ground, terminal,
+                VoltageControlledCurrentSource{gain, current, ground});
+    return;
+  }
+  const NodeId current = network.add_node("amplifier.loop", Domain::electrical);
+  network.add("amplifier.loop.integrator", current, ground,
+              Capacitor{1 / (2 * std::numbers::pi * *amplifier.bandwidth_hz)}, Role::signal);
+  network.add("amplifier.loop.command", ground, current,
+              VoltageControlledCurrentSource{gain, parts.command, ground}, Role::signal);
+  network.add("amplifier.loop.sense", current, ground,
+              CurrentControlledCurrentSource{1.0, *parts.taps.motor_ammeter}, Role::signal);
+  network.add("amplifier", ground, terminal, VoltageControlledCurrentSource{1.0, current, ground});
+}
+
+void add_voltage_amplifier(DriveParts& parts, const VoltageAmplifier& amplifier, double gain) {
+  Network& network = parts.network;
+  const NodeId wanted = amplifier.bandwidth_hz ? add_lag(network, "amplifier.loop", parts.command,
+                                                         *amplifier.bandwidth_hz)
+                                               : parts.command;
+  NodeId output = *parts.taps.terminal;
+  if (amplifier.output_resistance > 0) {
+    output = network.add_node("amplifier.output", Domain::electrical);
+    network.add("amplifier.output_resistance", output, *parts.taps.terminal,
+                Resistor{amplifier.output_resistance});
+  }
+  network.add("amplifier", output, ground, VoltageControlledVoltageSource{gain, wanted, ground});
 }
 
 // An ideal loop around the winding's current delivers on top whatever a branch across the motor
@@ -79,45 +84,86 @@ bool ignores_damping(const Amplifier& amplifier) {
   return current && !current->bandwidth_hz && current->sense == CurrentSense::motor;
 }
 
+bool is_across(const Damping& damping) {
+  return std::holds_alternative<ResistorDamping>(damping) ||
+         std::holds_alternative<RcDamping>(damping);
+}
+
+bool needs_motor(const Damping& damping) {
+  return is_across(damping) || std::holds_alternative<ResistanceCancellation>(damping) ||
+         std::holds_alternative<BackEmfDamping>(damping);
+}
+
+[[noreturn]] void refuse(std::size_t damping, const std::string& reason) {
+  throw Error(ErrorCode::bad_input, fmt::format("damping/{}", damping), reason);
+}
+
+// A kind that acts on the whole drive: given twice it means nothing but a slip.
+template <class Kind>
+void check_at_most_one(const Drive& drive, const char* kind) {
+  bool seen = false;
+  for (std::size_t i = 0; i < drive.damping.size(); ++i) {
+    if (!std::holds_alternative<Kind>(drive.damping[i])) continue;
+    if (seen) refuse(i, fmt::format("a second {}: one at most; put both into one", kind));
+    seen = true;
+  }
+}
+
+void check_cancellation(const Drive& drive, std::size_t i) {
+  const bool branch = std::any_of(drive.damping.begin(), drive.damping.end(), is_across);
+  if (branch || std::holds_alternative<VoltageAmplifier>(drive.amplifier)) return;
+  refuse(i, std::holds_alternative<CurrentAmplifier>(drive.amplifier)
+                ? "resistance_cancellation under a current amplifier with nothing across the "
+                  "motor: the amplifier imposes the current, and a voltage in series changes "
+                  "nothing; use \"amplifier\": {\"kind\": \"voltage\"}, or put a circuit across "
+                  "the motor"
+                : "resistance_cancellation with the motor's terminals open: no current flows; use "
+                  "\"amplifier\": {\"kind\": \"voltage\"}, or put a circuit across the motor");
+}
+
 }  // namespace
 
-DriveTaps add_drive(Network& network, const Drive& drive, NodeId command, NodeId shaft,
-                    double gain) {
-  if (std::holds_alternative<IdealDrive>(drive.amplifier) && !drive.motor) {
-    if (!drive.damping.empty()) {
-      throw Error(ErrorCode::bad_input, "damping",
-                  "a damping circuit needs a motor: add the key \"motor\"");
-    }
-    network.add("amplifier", ground, shaft, VoltageControlledCurrentSource{gain, command, ground});
-    return {};
-  }
-  if (!drive.motor) {
+void check_drive(const Drive& drive) {
+  if (!drive.motor && !std::holds_alternative<IdealDrive>(drive.amplifier)) {
     throw Error(ErrorCode::bad_input, "amplifier",
                 "an amplifier needs a motor to drive: add the key \"motor\"");
   }
-  const NodeId terminal = network.add_node("motor.terminal", Domain::electrical);
-  const ElementId ammeter = add_motor(network, *drive.motor, terminal, shaft);
+  check_at_most_one<ResistanceCancellation>(drive, "resistance_cancellation");
+  check_at_most_one<BackEmfDamping>(drive, "back_emf");
+  check_at_most_one<HeldImpedance>(drive, "held_impedance");
+  for (std::size_t i = 0; i < drive.damping.size(); ++i) {
+    if (!drive.motor && needs_motor(drive.damping[i]))
+      refuse(i, "a damping circuit needs a motor: add the key \"motor\"");
+    if (std::holds_alternative<ResistanceCancellation>(drive.damping[i]))
+      check_cancellation(drive, i);
+  }
+}
+
+DriveTaps add_drive(Network& network, const Drive& drive, const DriveNodes& nodes, double gain) {
+  check_drive(drive);
+  DriveParts parts{network, nodes, nodes.command, {}, ground};
+  const auto for_each = [&](const auto& stage) {
+    for (std::size_t i = 0; i < drive.damping.size(); ++i)
+      stage(drive.damping[i], name_of_damping(i));
+  };
+  for_each([&](const Damping& d, const std::string& name) { add_mechanical(parts, d, name); });
+  if (drive.motor) {
+    add_motor(parts, drive);
+    for_each([&](const Damping& d, const std::string& name) {
+      if (!ignores_damping(drive.amplifier)) add_across(parts, d, name);
+      add_electrical_feedback(parts, d, name, drive.motor->torque_constant);
+    });
+  }
   if (const auto* current = std::get_if<CurrentAmplifier>(&drive.amplifier)) {
-    add_current_amplifier(network, *current, command, terminal, ammeter, gain);
+    add_current_amplifier(parts, *current, gain);
   } else if (const auto* voltage = std::get_if<VoltageAmplifier>(&drive.amplifier)) {
-    const NodeId wanted = voltage->bandwidth_hz
-                              ? add_lag(network, "amplifier.loop", command, *voltage->bandwidth_hz)
-                              : command;
-    NodeId output = terminal;
-    if (voltage->output_resistance > 0) {
-      output = network.add_node("amplifier.output", Domain::electrical);
-      network.add("amplifier.output_resistance", output, terminal,
-                  Resistor{voltage->output_resistance});
-    }
-    network.add("amplifier", output, ground, VoltageControlledVoltageSource{gain, wanted, ground});
+    add_voltage_amplifier(parts, *voltage, gain);
   } else {
-    // An ideal effort source beside a motor whose terminals carry only the damping circuits.
-    network.add("amplifier", ground, shaft, VoltageControlledCurrentSource{gain, command, ground});
+    // An effort source at the shaft, beside a motor whose terminals carry only the circuits.
+    network.add("amplifier", ground, nodes.shaft,
+                VoltageControlledCurrentSource{gain, parts.command, ground});
   }
-  for (std::size_t i = 0; i < drive.damping.size() && !ignores_damping(drive.amplifier); ++i) {
-    add_damping(network, drive.damping[i], fmt::format("damping.{}", i), terminal);
-  }
-  return {ammeter, terminal};
+  return parts.taps;
 }
 
 }  // namespace gyrator

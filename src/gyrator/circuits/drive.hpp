@@ -1,20 +1,30 @@
 #pragma once
 
+#include "gyrator/circuits/damping.hpp"
 #include "gyrator/circuits/network.hpp"
 
 #include <optional>
-#include <string>
 #include <variant>
 #include <vector>
 
 namespace gyrator {
 
+/// Copper, around room temperature [1/K].
+inline constexpr double copper_temperature_coefficient = 0.00393;
+
 /// A permanent-magnet motor, rotary or linear. K_t [N.m/A or N/A], R_m [ohm], L_m [H].
-/// The power-conserving two-port e = K_t w, tau = K_t i behind the winding (equations, section 2).
+/// The power-conserving two-port e = K_t w, tau = K_t i behind the winding (equations, section 2),
+/// whose resistance follows its temperature, R = R_m (1 + alpha rise).                (motor-1)
 struct Motor {
   double torque_constant = 0;
-  double resistance = 0;
+  double resistance = 0;  ///< at the reference temperature
   double inductance = 0;
+  double temperature_coefficient = copper_temperature_coefficient;  ///< alpha [1/K]
+  double temperature_rise = 0;  ///< of the winding above the reference temperature [K]
+
+  double warm_resistance() const {
+    return resistance * (1 + temperature_coefficient * temperature_rise);
+  }
 };
 
 /// Which current a current amplifier regulates: all that it delivers, or what passes the winding.
@@ -41,36 +51,32 @@ struct VoltageAmplifier {
 
 using Amplifier = std::variant<IdealDrive, CurrentAmplifier, VoltageAmplifier>;
 
-/// A resistor across the motor terminals.
-struct ResistorDamping {
-  double resistance = 0;
-};
-/// R_1 in series with C across the motor terminals [8.48]. R_1 may be zero.
-struct RcDamping {
-  double resistance = 0;
-  double capacitance = 0;
-};
-
-using Damping = std::variant<ResistorDamping, RcDamping>;
-
 struct Drive {
   std::optional<Motor> motor;  ///< required by every amplifier but IdealDrive
   Amplifier amplifier = IdealDrive{};
   std::vector<Damping> damping;
 };
 
+/// The nodes of a network that a drive is built between.
+struct DriveNodes {
+  NodeId command;  ///< signal: the wanted effort, one volt per N.m or N
+  NodeId shaft;    ///< mechanical: what the motor acts on
+  NodeId port;     ///< mechanical: what the operator holds
+  NodeId sensed;   ///< mechanical: where position is sensed
+};
+
 /// Where a drive can be read after it has been added to a network.
 struct DriveTaps {
   std::optional<ElementId> motor_ammeter;  ///< current into the winding, or none without a motor
-  std::optional<NodeId> terminal;          ///< motor terminal against ground
+  std::optional<NodeId> terminal;          ///< terminal against ground, where circuits hang
+  std::vector<NodeId> positions;           ///< signal nodes that hold the sensed position
 };
 
-/// Adds motor, amplifier and damping circuits to the network.
-///
-/// `command` is the signal node that carries the wanted effort, `shaft` the mechanical node that
-/// the motor acts on, `gain` the amplifier's output per unit of command [A/N.m, V/N.m, N.m/N.m].
-/// Throws bad_input for a circuit without a motor.
-DriveTaps add_drive(Network& network, const Drive& drive, NodeId command, NodeId shaft,
-                    double gain);
+/// Adds motor, amplifier and damping to the network. `gain` is the amplifier's output per unit of
+/// command [A/N.m, V/N.m, N.m/N.m]. Throws bad_input for what makes no sense together.
+DriveTaps add_drive(Network& network, const Drive& drive, const DriveNodes& nodes, double gain);
+
+/// Throws bad_input, naming the damping, where two parts of a drive make no sense together.
+void check_drive(const Drive& drive);
 
 }  // namespace gyrator

@@ -36,8 +36,11 @@ void add_operator(DeviceNetwork& d, const Operator& held_by) {
   }
 }
 
-DeviceNetwork build_with_gain(const Device& device, const Operator& held_by, double gain) {
+}  // namespace
+
+DeviceNetwork build_device_network(const Device& device, const Operator& held_by, double gain) {
   DeviceNetwork d;
+  d.gain = gain;
   Network& network = d.network;
   d.command = network.add_input("command");
   d.external_effort = network.add_input("external_effort");
@@ -46,7 +49,6 @@ DeviceNetwork build_with_gain(const Device& device, const Operator& held_by, dou
 
   const Mechanics& mechanics = device.mechanics;
   d.motor_shaft = network.add_node("motor.shaft", Domain::mechanical);
-  d.drive = add_drive(network, device.drive, command, d.motor_shaft, gain);
   network.add("mechanics.inertia", d.motor_shaft, ground, Capacitor{mechanics.inertia});
   if (mechanics.damping > 0) {
     network.add("mechanics.damping", d.motor_shaft, ground, Conductance{mechanics.damping});
@@ -62,39 +64,55 @@ DeviceNetwork build_with_gain(const Device& device, const Operator& held_by, dou
     }
     network.add("mechanics.transmission.load_inertia", d.port, ground, Capacitor{t.load_inertia});
   }
-  if (mechanics.high_pass_damper) {
-    const NodeId floating = network.add_node("mechanics.high_pass_damper", Domain::mechanical);
-    network.add("mechanics.high_pass_damper.damping", d.port, floating,
-                Conductance{mechanics.high_pass_damper->damping});
-    network.add("mechanics.high_pass_damper.inertia", floating, ground,
-                Capacitor{mechanics.high_pass_damper->inertia});
-  }
   d.sensed = device.sensor == SensorLocation::motor ? d.motor_shaft : d.port;
   d.collocated = d.sensed == d.port;
+  d.drive = add_drive(network, device.drive, {command, d.motor_shaft, d.port, d.sensed}, gain);
   add_operator(d, held_by);
   return d;
 }
 
+namespace {
+
 // Blocked effort at the port per unit of command, at DC.
-double compute_dc_gain(const Device& device) {
-  const DeviceNetwork blocked = build_with_gain(device, ClampedOperator{}, 1.0);
+double compute_blocked_effort(const Device& device, double gain) {
+  const DeviceNetwork blocked = build_device_network(device, ClampedOperator{}, gain);
   const NetworkEquations equations(blocked.network);
   const Eigen::MatrixXd steady = solve_steady_state(equations.descriptor());
   const LinearForm effort = equations.through(blocked.operator_ammeter);
   return -(effort.x * steady.col(blocked.command))(0);
 }
 
+// The gain at which the blocked effort equals the command. Feedback that acts at DC makes the
+// effort a broken linear function of the gain g, 1/effort = alpha/g + beta: two points tell all.
+double find_gain(const Device& device) {
+  const double once = compute_blocked_effort(device, 1);
+  const double twice = compute_blocked_effort(device, 2);
+  if (!std::isfinite(once) || std::abs(once) < 1e-12) return 0;
+  const double alpha = 2 * (1 / once - 1 / twice);
+  const double beta = 1 / once - alpha;
+  if (std::abs(beta) < 1e-12 * std::abs(alpha)) return 1 / once;
+  return alpha / (1 - beta);
+}
+
 }  // namespace
 
+double find_amplifier_gain(const Device& device) {
+  // The amplifier's scale was set once, at the reference temperature; it does not follow the
+  // winding.
+  Device as_calibrated = device;
+  if (as_calibrated.drive.motor) as_calibrated.drive.motor->temperature_rise = 0;
+  // An analog position loop does nothing at its centre, where the effort was measured.
+  std::erase_if(as_calibrated.drive.damping,
+                [](const Damping& d) { return std::holds_alternative<HeldImpedance>(d); });
+  const double gain = find_gain(as_calibrated);
+  if (std::isfinite(gain) && gain != 0) return gain;
+  throw Error(ErrorCode::bad_input, "amplifier",
+              "no steady effort reaches the shaft: the command cannot be scaled to the blocked "
+              "effort at DC; a damping circuit shorts the motor or a capacitor blocks it");
+}
+
 DeviceNetwork build_device_network(const Device& device, const Operator& held_by) {
-  const double dc_gain = compute_dc_gain(device);
-  if (!std::isfinite(dc_gain) || std::abs(dc_gain) < 1e-12) {
-    throw Error(ErrorCode::bad_input, "amplifier",
-                "no steady effort reaches the shaft: the command cannot be scaled to the blocked "
-                "effort at DC; "
-                "a damping circuit shorts the motor or a capacitor blocks it");
-  }
-  return build_with_gain(device, held_by, 1.0 / dc_gain);
+  return build_device_network(device, held_by, find_amplifier_gain(device));
 }
 
 }  // namespace gyrator

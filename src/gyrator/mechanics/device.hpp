@@ -19,19 +19,11 @@ struct Transmission {
   double load_inertia = 0;  ///< [kg.m^2 or kg]
 };
 
-/// A damper from the operator port to a floating inertia [fig. 8.19b]: Re Z tends to 0 at low
-/// and to `damping` at high frequency.
-struct HighPassDamper {
-  double inertia = 0;  ///< [kg.m^2 or kg]
-  double damping = 0;  ///< [N.m.s/rad or N.s/m]
-};
-
 struct Mechanics {
   double inertia = 0;           ///< of motor and all that is rigid with it [kg.m^2 or kg]
   double damping = 0;           ///< viscous, to ground, at the motor [N.m.s/rad or N.s/m]
   double coulomb_friction = 0;  ///< [N.m or N]
   std::optional<Transmission> transmission;
-  std::optional<HighPassDamper> high_pass_damper;
 };
 
 enum class SensorLocation { port, motor };
@@ -77,11 +69,18 @@ struct DeviceNetwork {
   NodeId sensed;               ///< port or motor_shaft
   ElementId operator_ammeter;  ///< effort from the operator into the device
   DriveTaps drive;
+  double gain = 1;         ///< of the amplifier, per unit of command [A/N.m, V/N.m, 1 …]
   bool collocated = true;  ///< the sensor sees the port's motion itself
 };
 
-/// Builds the network. The command is scaled so that at DC the blocked effort equals it; throws
-/// bad_input where the drive passes no DC at all.
+/// Builds the network. The command is scaled so that at DC, and with the winding at the reference
+/// temperature, the blocked effort equals it; throws bad_input where the drive passes no DC at all.
 DeviceNetwork build_device_network(const Device& device, const Operator& held_by);
+
+/// The same with the amplifier's gain as it is, whatever effort comes of it.
+DeviceNetwork build_device_network(const Device& device, const Operator& held_by, double gain);
+
+/// The gain that build_device_network scales the command by.
+double find_amplifier_gain(const Device& device);
 
 }  // namespace gyrator

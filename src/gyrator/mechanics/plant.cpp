@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/core.h>
 
 namespace gyrator {
@@ -89,52 +88,22 @@ Signal as_signal(std::string name, const ReducedForm& form) {
   return {std::move(name), form.state, form.input};
 }
 
-// Poles of the network and the elements that take part in them.
-class Modes {
- public:
-  explicit Modes(const DeviceNetwork& device)
-      : network_(device.network),
-        equations_(device.network),
-        reduction_(reduce(equations_.descriptor())) {
-    if (reduction_.A.rows() == 0) return;
-    MatrixXd balanced = reduction_.A;
-    const VectorXd scale = balance(balanced);
-    const Eigen::EigenSolver<MatrixXd> solver(balanced);
-    poles_ = solver.eigenvalues();
-    vectors_ = scale.asDiagonal() * solver.eigenvectors();
+// The unknowns after a slow rigid displacement by one: what integrates the velocities `moving`.
+VectorXd displace(const DeviceNetwork& device, const NetworkEquations& equations,
+                  const VectorXd& moving) {
+  VectorXd displaced = VectorXd::Zero(moving.size());
+  const auto& elements = device.network.elements();
+  for (int e = 0; e < static_cast<int>(elements.size()); ++e) {
+    const Element& element = elements[static_cast<std::size_t>(e)];
+    const auto* spring = std::get_if<Inductor>(&element.law);
+    if (!spring) continue;
+    const double rate = equations.across(ElementId{e}).x.dot(moving);
+    displaced += equations.through(ElementId{e}).x.transpose() * (rate / spring->inductance);
   }
-
-  Index count() const { return poles_.size(); }
-  const Eigen::VectorXcd& poles() const { return poles_; }
-
-  // The element that stores most of the mode's energy.
-  std::string main_element(Index mode) const {
-    const Eigen::VectorXcd unknowns = reduction_.recover_state * vectors_.col(mode);
-    std::string name;
-    double most = -1;
-    const auto& elements = network_.elements();
-    for (int e = 0; e < static_cast<int>(elements.size()); ++e) {
-      const Element& element = elements[static_cast<std::size_t>(e)];
-      double energy = -1;
-      if (const auto* c = std::get_if<Capacitor>(&element.law)) {
-        energy = c->capacitance * std::norm((equations_.across(ElementId{e}).x * unknowns)(0));
-      } else if (const auto* l = std::get_if<Inductor>(&element.law)) {
-        energy = l->inductance * std::norm((equations_.through(ElementId{e}).x * unknowns)(0));
-      }
-      if (energy <= most || element.role != Role::device) continue;
-      most = energy;
-      name = element.name;
-    }
-    return name;
-  }
-
- private:
-  const Network& network_;
-  NetworkEquations equations_;
-  Reduction reduction_;
-  Eigen::VectorXcd poles_;
-  Eigen::MatrixXcd vectors_;
-};
+  for (const NodeId position : device.drive.positions)
+    displaced += equations.across(position).x.transpose();
+  return displaced;
+}
 
 }  // namespace
 
@@ -190,59 +159,15 @@ Plant build_plant(const DeviceNetwork& device) {
                         {&plant.port_velocity, &plant.port_effort, &plant.sensor_position});
   }
 
-  // Initial state: the reduced network's at the velocity, appended positions at the position,
-  // and springs that hold a position (the operator's) deflected to it.
-  const Index n = plant.A.rows();
-  plant.rest = MatrixXd::Zero(n, 2);
+  // A rigid displacement deflects the springs to ground and moves every position, those appended
+  // above included; that of the sensor exactly so.
+  plant.rest = MatrixXd::Zero(plant.A.rows(), 2);
   plant.rest.col(1).head(at_velocity.size()) = at_velocity;
-  const MatrixXd positions =
-      (MatrixXd(2, n) << plant.sensor_position.state, plant.port_position.state).finished();
-  // The smallest change of the state that gives both positions and leaves velocities alone: the
-  // held-position rows have no part in velocity states, so a minimum-norm solution touches none.
-  // Exactly so where one row says it all, and refined once where there are two.
-  const double size = positions.row(0).squaredNorm();
-  if (device.collocated) {
-    if (size > 0) plant.rest.col(0) = positions.row(0).transpose() / size;
-  } else {
-    const Eigen::Vector2d both(1, 1);
-    const auto decomposition = positions.completeOrthogonalDecomposition();
-    const VectorXd at_position = decomposition.solve(both);
-    plant.rest.col(0) = at_position + decomposition.solve(both - positions * at_position);
-  }
+  plant.rest.col(0).setOnes();
+  plant.rest.col(0).head(at_velocity.size()) =
+      reduction.initialize * displace(device, equations, moving);
+  plant.rest.col(0) /= plant.sensor_position.state.dot(plant.rest.col(0));
   return plant;
-}
-
-std::optional<UnstablePole> find_unstable_pole(const DeviceNetwork& device) {
-  const Modes modes(device);
-  if (modes.count() == 0) return std::nullopt;
-  Index worst = 0;
-  const double largest = modes.poles().real().maxCoeff(&worst);
-  if (!(largest > 1e-9 * modes.poles().cwiseAbs().maxCoeff())) return std::nullopt;
-  return UnstablePole{largest, std::abs(modes.poles()(worst).imag()), modes.main_element(worst)};
-}
-
-FastestElement find_fastest_element(const DeviceNetwork& device) {
-  const Modes modes(device);
-  if (modes.count() == 0) return {};
-  Index fastest = 0;
-  const double rate = modes.poles().cwiseAbs().maxCoeff(&fastest);
-  return {rate, modes.main_element(fastest)};
-}
-
-void require_stable_device(const Device& device) {
-  for (const Operator& held_by : {Operator{FreeOperator{}}, Operator{ClampedOperator{}}}) {
-    const auto pole = find_unstable_pole(build_device_network(device, held_by));
-    if (!pole) continue;
-    const bool clamped = std::holds_alternative<ClampedOperator>(held_by);
-    throw Error(
-        ErrorCode::numerical, pole->element,
-        fmt::format(
-            "the device alone is unstable with the port {}: pole at {:+.4g} {:+.4g}j rad/s "
-            "(amplitude "
-            "doubles every {:.3g} s): the amplifier's loop and this element oscillate; lower the "
-            "amplifier's bandwidth or add resistance",
-            clamped ? "clamped" : "free", pole->real, pole->imag, 0.693147 / pole->real));
-  }
 }
 
 }  // namespace gyrator

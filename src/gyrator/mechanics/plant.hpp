@@ -45,22 +45,4 @@ struct Plant {
 /// would jump with the command.
 Plant build_plant(const DeviceNetwork& device);
 
-/// Strongest right-half-plane pole of the plant's own dynamics [rad/s] and the element that
-/// stores most of its energy; none where every pole is stable or at zero.
-struct UnstablePole {
-  double real = 0, imag = 0;
-  std::string element;
-};
-std::optional<UnstablePole> find_unstable_pole(const DeviceNetwork& device);
-
-/// The element that takes most part in the plant's fastest pole, and that pole's rate [rad/s].
-struct FastestElement {
-  double rate = 0;
-  std::string element;
-};
-FastestElement find_fastest_element(const DeviceNetwork& device);
-
-/// Throws numerical naming pole and element where the device alone is unstable.
-void require_stable_device(const Device& device);
-
 }  // namespace gyrator

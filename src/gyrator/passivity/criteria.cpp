@@ -2,6 +2,7 @@
 
 #include "gyrator/cosim/sampled_plant.hpp"
 #include "gyrator/passivity/frequency_grid.hpp"
+#include "gyrator/passivity/held_limit.hpp"
 #include "gyrator/passivity/virtual_damping.hpp"
 
 #include <algorithm>
@@ -32,6 +33,7 @@ std::vector<std::string> drive_reasons(const Assumptions& a) {
         a.lag_s));
   }
   if (!a.collocated) reasons.emplace_back("the sensor is not at the port");
+  if (a.held) reasons.emplace_back("the wall is an analog loop: no sampled law is left to judge");
   return reasons;
 }
 
@@ -120,6 +122,7 @@ CriterionResult judge_quantized_coulomb(const PassivityModel& model, const Virtu
 
 Assumptions test_assumptions(const Device& device, const Sampling& sampling, PortModel& model) {
   Assumptions a;
+  a.held = find_held_impedance(device) != nullptr;
   a.collocated = device.sensor == SensorLocation::port || !device.mechanics.transmission;
   a.no_delay = sampling.delay == Rational(0);
   a.whole_delay = split_delay(sampling).rest == 0;

@@ -10,6 +10,7 @@ struct Assumptions {
   bool non_decreasing_damping = true;  ///< Re Z never falls as frequency rises, to infinity
   bool ideal_drive = true;             ///< A = 1 up to far beyond Nyquist
   bool collocated = true;              ///< the sensor sees the port
+  bool held = false;                   ///< the wall is an analog loop of the device
   bool no_delay = true;
   bool whole_delay = true;     ///< a whole number of periods
   double falling_from_hz = 0;  ///< where Re Z starts to fall

@@ -3,6 +3,7 @@
 #include "gyrator/controllers/virtual_wall.hpp"
 #include "gyrator/cosim/sampled_plant.hpp"
 #include "gyrator/passivity/frequency_grid.hpp"
+#include "gyrator/passivity/held_limit.hpp"
 #include "gyrator/passivity/virtual_damping.hpp"
 
 #include <algorithm>
@@ -81,6 +82,8 @@ Complex StiffnessLimits::velocity_response(double omega) const {
 }
 
 StiffnessLimit StiffnessLimits::find(Criterion criterion, double virtual_damping) {
+  // The wall of a held-impedance drive is analog: every criterion comes down to Re Z >= 0.
+  if (find_held_impedance(device_)) return find_held_stiffness_limit(device_, virtual_damping);
   switch (criterion) {
     case Criterion::spring_damper:
       return find_spring_damper(virtual_damping);

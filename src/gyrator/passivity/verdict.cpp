@@ -1,8 +1,10 @@
 #include "gyrator/passivity/verdict.hpp"
 
 #include "gyrator/cosim/sampled_plant.hpp"
+#include "gyrator/mechanics/stability.hpp"
 #include "gyrator/passivity/criteria.hpp"
 #include "gyrator/passivity/frequency_grid.hpp"
+#include "gyrator/passivity/held_limit.hpp"
 #include "gyrator/passivity/virtual_damping.hpp"
 
 #include <algorithm>
@@ -73,6 +75,10 @@ class Judge {
     v.least_damping = least.value;
     v.least_damping_frequency_hz = least.omega / (2 * pi);
     v.device_passive = !least.active;
+    if (least.active && least.value < exact.margin) {
+      exact.margin = least.value;
+      exact.worst_frequency_hz = v.least_damping_frequency_hz;
+    }
     const Plant free = build_plant(build_device_network(model_.device, FreeOperator{}));
     v.uncoupled_spectral_radius =
         compute_spectral_radius(build_loop_matrix(sample_plant(free, model_.sampling), law_));
@@ -80,6 +86,8 @@ class Judge {
     exact.holds = worst_.value > 0 && stable_alone && v.device_passive;
     if (const auto* wall = std::get_if<VirtualWall>(&model_.controller)) {
       exact.max_stiffness = limits_.find(Criterion::exact_disk, wall->damping).stiffness;
+    } else if (const auto* held = find_held_impedance(model_.device)) {
+      exact.max_stiffness = limits_.find(Criterion::exact_disk, held->damping).stiffness;
     }
     if (!v.device_passive) {
       exact.reason = fmt::format("the bare device supplies energy at {:.4g} Hz (Re Z = {:.3g})",

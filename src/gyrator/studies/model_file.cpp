@@ -3,6 +3,7 @@
 #include "gyrator/core/error.hpp"
 #include "gyrator/documents/document_reader.hpp"
 #include "gyrator/documents/json_text.hpp"
+#include "gyrator/passivity/held_limit.hpp"
 #include "gyrator/plots/pretty_text.hpp"
 #include "gyrator/studies/model_format.hpp"
 
@@ -33,19 +34,55 @@ Amplifier amplifier_of(const json& a) {
   return IdealDrive{};
 }
 
-Damping damping_of(const json& d) {
-  if (d["kind"] == "resistor") return ResistorDamping{d["resistance"]};
-  return RcDamping{d["resistance"], d["capacitance"]};
+std::optional<double> optional_of(const json& object, const char* key) {
+  if (object[key].is_null()) return std::nullopt;
+  return object[key].get<double>();
+}
+
+HighPassDamper high_pass_damper_of(const json& d) {
+  return {either(d, "inertia", "mass"), d["damping"]};
+}
+
+// One line per kind of the list. The motor gives what the drive would be set up with by default.
+Damping damping_of(const json& d, const Motor& motor, const json& controller) {
+  const std::string kind = d["kind"];
+  if (kind == "resistor") return ResistorDamping{d["resistance"]};
+  if (kind == "rc") return RcDamping{d["resistance"], d["capacitance"]};
+  if (kind == "resistance_cancellation") {
+    const auto fraction = optional_of(d, "fraction");
+    return ResistanceCancellation{
+        fraction ? *fraction * motor.resistance : d["resistance"].get<double>(),
+        optional_of(d, "bandwidth")};
+  }
+  if (kind == "back_emf") {
+    return BackEmfDamping{d["damping"],
+                          optional_of(d, "resistance_estimate").value_or(motor.resistance),
+                          optional_of(d, "inductance_estimate").value_or(motor.inductance),
+                          optional_of(d, "low_pass"), optional_of(d, "high_pass")};
+  }
+  if (kind == "held_impedance") {
+    const bool wall = controller["kind"] == "virtual_wall";
+    return HeldImpedance{wall ? controller["stiffness"].get<double>() : 0,
+                         wall ? controller["damping"].get<double>() : 0,
+                         optional_of(d, "bandwidth")};
+  }
+  if (kind == "torque_sensed_damper") return TorqueSensedDamper{d["damping"], d["cutoff"]};
+  if (kind == "eddy_current_brake") return EddyCurrentBrake{d["damping"], d["on"]};
+  return high_pass_damper_of(d);
 }
 
 Drive drive_of(const json& model) {
   Drive drive;
   if (const json& m = model["motor"]; !m.is_null()) {
-    drive.motor =
-        Motor{either(m, "torque_constant", "force_constant"), m["resistance"], m["inductance"]};
+    drive.motor = Motor{either(m, "torque_constant", "force_constant"), m["resistance"],
+                        m["inductance"], m["temperature_coefficient"], m["temperature_rise"]};
   }
   drive.amplifier = amplifier_of(model["amplifier"]);
-  for (const auto& damping : model["damping"]) drive.damping.push_back(damping_of(damping));
+  for (const auto& damping : model["damping"])
+    drive.damping.push_back(
+        damping_of(damping, drive.motor.value_or(Motor{}), model["controller"]));
+  if (const json& h = model["mechanics"]["high_pass_damper"]; !h.is_null())
+    drive.damping.emplace_back(high_pass_damper_of(h));
   return drive;
 }
 
@@ -57,9 +94,6 @@ Mechanics mechanics_of(const json& m) {
   if (const json& t = m["transmission"]; !t.is_null()) {
     mechanics.transmission =
         Transmission{t["stiffness"], t["damping"], either(t, "load_inertia", "load_mass")};
-  }
-  if (const json& h = m["high_pass_damper"]; !h.is_null()) {
-    mechanics.high_pass_damper = HighPassDamper{either(h, "inertia", "mass"), h["damping"]};
   }
   return mechanics;
 }
@@ -79,6 +113,20 @@ Operator operator_of(const json& o) {
   if (o["kind"] == "clamped") return ClampedOperator{};
   if (o["kind"] == "free") return FreeOperator{};
   return MassSpringDamper{either(o, "inertia", "mass"), o["damping"], o["stiffness"], {}};
+}
+
+// An analog loop does the wall: the controller must be one, and no estimate of velocity is made.
+void check_held_impedance(const Model& model, const std::string& file) {
+  const auto* wall = std::get_if<VirtualWall>(&model.controller);
+  if (!wall) {
+    throw Error(ErrorCode::bad_input, file + ": /damping",
+                "held_impedance: the loop takes stiffness and damping from a virtual wall; use "
+                "\"controller\": {\"kind\": \"virtual_wall\"}");
+  }
+  if (wall->unilateral) {
+    throw Error(ErrorCode::bad_input, file + ": /controller/unilateral",
+                "true with held_impedance: the analog loop is linear, its wall bilateral");
+  }
 }
 
 // What no single key can tell.
@@ -102,6 +150,7 @@ void check_together(const Model& model, const json& source, const std::string& f
     throw Error(error.code(), file + ": /" + error.place(), error.message());
   }
   const auto* wall = std::get_if<VirtualWall>(&model.controller);
+  if (find_held_impedance(model.device)) check_held_impedance(model, file);
   if (wall && wall->no_pull && !wall->unilateral) {
     throw Error(ErrorCode::bad_input, file + ": /controller/no_pull",
                 "true for a bilateral wall: only a unilateral wall can be kept from pulling; set "
@@ -110,6 +159,10 @@ void check_together(const Model& model, const json& source, const std::string& f
 }
 
 }  // namespace
+
+Controller Model::sampled_controller() const {
+  return find_held_impedance(device) ? Controller{NoController{}} : controller;
+}
 
 Model parse_model(const json& document, const std::string& file) {
   const json m = read_document(document, model_format(), file);

@@ -25,7 +25,12 @@ struct Model {
   double external_effort = 0;
   nlohmann::json source;  ///< the file as the user wrote it, for results and reports
 
-  PassivityModel passivity_model() const { return {device, controller, sampling, sensor.quantum}; }
+  /// The law that is left to the sampled loop: none where an analog loop does the wall.
+  Controller sampled_controller() const;
+
+  PassivityModel passivity_model() const {
+    return {device, sampled_controller(), sampling, sensor.quantum};
+  }
 };
 
 /// Reads and validates a model file. Throws bad_input with file and JSON path.

@@ -1,5 +1,7 @@
 #include "gyrator/studies/model_format.hpp"
 
+#include "gyrator/circuits/drive.hpp"
+
 #include <utility>
 
 namespace gyrator {
@@ -44,6 +46,30 @@ ObjectSpec motor_spec(const MotionTerms& terms) {
                   .by_default(0)
                   .at_least(0)
                   .doc("Of the winding; 0 leaves it out."),
+              member::quantity("temperature_coefficient", dimension::temperature_coefficient)
+                  .by_default(copper_temperature_coefficient)
+                  .at_least(0)
+                  .doc("Of the resistance; copper by default."),
+              member::quantity("temperature_rise", dimension::temperature)
+                  .by_default(0)
+                  .doc("How much warmer the winding is than when \"resistance\" was measured; "
+                       "negative: colder. The amplifier's scale does not follow it."),
+          }};
+}
+
+// The same in "mechanics" and in the list "damping".
+ObjectSpec high_pass_damper_spec(const MotionTerms& terms) {
+  return {"high_pass_damper",
+          "A damper from the operator port to a floating inertia: damps high frequencies only.",
+          {
+              member::quantity(terms.inertia_name, terms.inertia)
+                  .required()
+                  .above(0)
+                  .doc("Of the floating body."),
+              member::quantity("damping", terms.damping)
+                  .required()
+                  .above(0)
+                  .doc("Between port and floating body."),
           }};
 }
 
@@ -65,19 +91,6 @@ ObjectSpec mechanics_spec(const MotionTerms& terms) {
               .above(0)
               .doc("Beyond the compliance."),
       }};
-  const ObjectSpec high_pass_damper{
-      "high_pass_damper",
-      "A damper from the operator port to a floating inertia: damps high frequencies only.",
-      {
-          member::quantity(terms.inertia_name, terms.inertia)
-              .required()
-              .above(0)
-              .doc("Of the floating body."),
-          member::quantity("damping", terms.damping)
-              .required()
-              .above(0)
-              .doc("Between port and floating body."),
-      }};
   return {"mechanics",
           "What moves.",
           {
@@ -94,8 +107,8 @@ ObjectSpec mechanics_spec(const MotionTerms& terms) {
                   .at_least(0)
                   .doc("Used by the criterion quantized_coulomb; `simulate` takes 0 only."),
               member::object("transmission", transmission).doc("Compliant transmission to a load."),
-              member::object("high_pass_damper", high_pass_damper)
-                  .doc("Damper with a floating inertia."),
+              member::object("high_pass_damper", high_pass_damper_spec(terms))
+                  .doc("Damper with a floating inertia; may stand in \"damping\" as well."),
           }};
 }
 
@@ -129,7 +142,12 @@ std::vector<ObjectSpec> amplifier_specs() {
            }}};
 }
 
-std::vector<ObjectSpec> damping_specs() {
+Member cutoff_frequency(const char* name) {
+  return member::quantity(name, dimension::frequency).above(0);
+}
+
+// Circuits across the motor terminals.
+std::vector<ObjectSpec> branch_specs() {
   return {{"resistor",
            "A resistor across the motor terminals.",
            {
@@ -150,6 +168,66 @@ std::vector<ObjectSpec> damping_specs() {
                    .above(0)
                    .doc("Blocks the damping at low frequency; acts as the inertia K_t^2 C there."),
            }}};
+}
+
+// Feedback around the amplifier.
+std::vector<ObjectSpec> feedback_specs(const MotionTerms& terms) {
+  return {
+      {"resistance_cancellation",
+       "A voltage in series with the motor that rises with its current, so that the winding "
+       "appears as R_m - R_c.",
+       {
+           member::quantity("resistance", dimension::resistance).at_least(0).doc("Cancelled, R_c."),
+           member::number("fraction")
+               .at_least(0)
+               .doc("R_c as a part of the winding's resistance at the reference temperature."),
+           cutoff_frequency("bandwidth").doc("-3 dB frequency of the feedback; absent: ideal."),
+       },
+       {{"resistance", "fraction"}}},
+      {"back_emf",
+       "Active electrical damping: back-EMF estimated from terminal voltage and current, fed "
+       "back to the command.",
+       {
+           member::quantity("damping", terms.damping)
+               .required()
+               .at_least(0)
+               .doc("Added within the band."),
+           member::quantity("resistance_estimate", dimension::resistance)
+               .at_least(0)
+               .doc("Of the winding; absent: the motor's at the reference temperature."),
+           member::quantity("inductance_estimate", dimension::inductance)
+               .at_least(0)
+               .doc("Of the winding; absent: the motor's."),
+           cutoff_frequency("low_pass").doc("-3 dB frequency; absent: none."),
+           cutoff_frequency("high_pass").doc("-3 dB frequency; absent: none."),
+       }},
+      {"held_impedance",
+       "The virtual wall's stiffness and damping act in an analog loop around the position "
+       "sensor; the controller holds gains and centre.",
+       {
+           cutoff_frequency("bandwidth").doc("-3 dB frequency of the loop; absent: ideal."),
+       }},
+      {"torque_sensed_damper",
+       "A viscous damper at the port whose effort is measured and, low-passed, added to the "
+       "command: felt at high frequency only.",
+       {
+           member::quantity("damping", terms.damping).required().above(0).doc("Of the damper."),
+           cutoff_frequency("cutoff").required().doc("Of the low-pass in the cancellation."),
+       }}};
+}
+
+std::vector<ObjectSpec> damping_specs(const MotionTerms& terms) {
+  std::vector<ObjectSpec> specs = branch_specs();
+  for (auto& spec : feedback_specs(terms)) specs.push_back(std::move(spec));
+  specs.push_back(
+      {"eddy_current_brake",
+       "A viscous damper at the port that can be switched off.",
+       {
+           member::quantity("damping", terms.damping).required().above(0).doc("While it is on."),
+           member::boolean("on").by_default(true).doc("Whether it is."),
+       }});
+  specs.push_back(high_pass_damper_spec(terms));
+  return specs;
 }
 
 std::vector<ObjectSpec> velocity_specs() {
@@ -271,10 +349,11 @@ ObjectSpec model_spec(const MotionTerms& terms) {
           member::variant("amplifier", amplifier_specs())
               .by_default({{"kind", "current"}})
               .doc("The command is an effort, scaled so that at DC the blocked effort equals it."),
-          member::variant("damping", damping_specs())
+          member::variant("damping", damping_specs(terms))
               .list()
               .by_default(json::array())
-              .doc("Circuits across the motor terminals."),
+              .doc("What damps the device, in any mixture: circuits across the motor, feedback "
+                   "around the amplifier, dampers at the port."),
           member::object("sensor", sensor_spec(terms))
               .by_default(json::object())
               .doc("The position sensor."),

@@ -2,6 +2,7 @@
 
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/interrupt.hpp"
+#include "gyrator/mechanics/stability.hpp"
 #include "gyrator/passivity/port_response.hpp"
 #include "gyrator/studies/progress.hpp"
 #include "gyrator/version.hpp"
@@ -77,7 +78,7 @@ json simulate_counterexample(const Model& model, const Counterexample& found) {
   options.record_every =
       std::max<long>(1, static_cast<long>(std::floor(static_cast<double>(samples) / rows)));
   // The loop that the verdict is about: the wall in contact, nothing quantized.
-  Controller controller = model.controller;
+  Controller controller = model.sampled_controller();
   if (auto* wall = std::get_if<VirtualWall>(&controller)) wall->unilateral = wall->no_pull = false;
   const Plant plant = build_plant(build_device_network(model.device, found.held_by));
   const TimeRun run = simulate(plant, Sensor{}, controller, model.sampling, options);
@@ -115,6 +116,19 @@ auto naming_file(const Model& model, const Function& analyse) {
   }
 }
 
+json edge_json(const StabilityEdge& edge) {
+  return {{"cancellation", optional_number(edge.cancellation)},
+          {"coldest_rise", optional_number(edge.coldest_rise)},
+          {"hottest_rise", optional_number(edge.hottest_rise)}};
+}
+
+// How far a drive that cancels its winding is from oscillating; null for any other.
+json stability_json(const Model& model) {
+  const auto edges = find_stability_edges(model.device);
+  if (!edges) return nullptr;
+  return {{"clamped", edge_json(edges->clamped)}, {"free", edge_json(edges->free)}};
+}
+
 const VirtualWall* wall_of(const Model& model) {
   return std::get_if<VirtualWall>(&model.controller);
 }
@@ -122,7 +136,7 @@ const VirtualWall* wall_of(const Model& model) {
 }  // namespace
 
 json make_impedance_result(const Model& model, const std::vector<double>& frequency_hz) {
-  require_stable_device(model.device);
+  naming_file(model, [&] { require_stable_device(model.device); });
   json result = start_result("impedance", model);
   std::vector<double> z_real;
   std::vector<double> z_imag;
@@ -140,6 +154,7 @@ json make_impedance_result(const Model& model, const std::vector<double>& freque
   result["impedance_imag"] = std::move(z_imag);
   result["actuation_real"] = std::move(a_real);
   result["actuation_imag"] = std::move(a_imag);
+  result["stability_edges"] = stability_json(model);
   return result;
 }
 
@@ -160,6 +175,7 @@ json make_passivity_result(const Model& model, const PassivityRequest& request) 
   result["device"] = {{"passive", v.device_passive},
                       {"least_damping", v.least_damping},
                       {"least_damping_frequency_hz", v.least_damping_frequency_hz}};
+  result["stability_edges"] = stability_json(model);
   result["uncoupled_spectral_radius"] = v.uncoupled_spectral_radius;
   result["damping_over_frequency"] = {{"frequency_hz", v.curves.frequency_hz},
                                       {"physical", v.curves.physical},
@@ -198,7 +214,7 @@ std::vector<double> choose_damping_range(const Model& model, int points) {
 }
 
 json make_zwidth_result(const Model& model, const ZwidthRequest& request) {
-  require_stable_device(model.device);
+  naming_file(model, [&] { require_stable_device(model.device); });
   json result = start_result("zwidth", model);
   const auto* wall = wall_of(model);
   StiffnessLimits limits(model.device, model.sampling,
@@ -265,7 +281,7 @@ TimeRun run_simulation(const Model& model, const SimulationRequest& request) {
                             "quantized_coulomb of `passivity` uses it)",
                             model.device.mechanics.coulomb_friction));
   }
-  require_stable_device(model.device);
+  naming_file(model, [&] { require_stable_device(model.device); });
   SimulationOptions options;
   options.duration = request.duration.value_or(model.duration);
   options.initial_position = model.initial_position;
@@ -279,7 +295,8 @@ TimeRun run_simulation(const Model& model, const SimulationRequest& request) {
   options.on_progress = [&](long done) { progress.advance(static_cast<std::uint64_t>(done)); };
   const Plant plant = build_plant(build_device_network(model.device, model.held_by));
   try {
-    TimeRun run = simulate(plant, model.sensor, model.controller, model.sampling, options);
+    TimeRun run =
+        simulate(plant, model.sensor, model.sampled_controller(), model.sampling, options);
     check_ledger(model, run, std::max(1e-6, 100 * request.engine_options.relative_tolerance));
     return run;
   } catch (const Error& error) {

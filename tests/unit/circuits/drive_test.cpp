@@ -210,7 +210,7 @@ TEST(Drive, a_circuit_without_a_motor_is_refused) {
   };
   EXPECT_EQ(place({std::nullopt, CurrentAmplifier{}, {}}), "amplifier");
   EXPECT_EQ(place({std::nullopt, VoltageAmplifier{}, {}}), "amplifier");
-  EXPECT_EQ(place({std::nullopt, IdealDrive{}, {ResistorDamping{1}}}), "damping");
+  EXPECT_EQ(place({std::nullopt, IdealDrive{}, {ResistorDamping{1}}}), "damping/0");
   EXPECT_EQ(place({std::nullopt, IdealDrive{}, {}}), "accepted");
 }
 

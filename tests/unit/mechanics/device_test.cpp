@@ -49,7 +49,7 @@ TEST(Device, high_pass_damper_is_a_damper_in_series_with_its_inertia) {
   // Z = J s + b + 1/(1/b_h + 1/(m_2 s)): Re Z goes from b to b + b_h across b_h/m_2.
   constexpr double m_2 = 0.02, b_h = 2;
   Device device = make_p3();
-  device.mechanics.high_pass_damper = HighPassDamper{.inertia = m_2, .damping = b_h};
+  device.drive.damping.push_back(HighPassDamper{.inertia = m_2, .damping = b_h});
   for (const PortResponse& r : compute_port_response(device, sweep())) {
     const Complex s(0, r.omega);
     expect_near(r.impedance, 0.04 * s + 0.8 + b_h * m_2 * s / (b_h + m_2 * s), r, "Z");

@@ -2,6 +2,7 @@
 
 #include "gyrator/circuits/hessenberg_response.hpp"
 #include "gyrator/core/error.hpp"
+#include "gyrator/mechanics/stability.hpp"
 
 #include <algorithm>
 #include <cmath>

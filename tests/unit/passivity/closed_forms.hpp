@@ -114,7 +114,7 @@ inline KnownDevice make_compliant(double m, double b, const Transmission& t,
 /// P3 with a damper to a floating inertia [fig. 8.19b].
 inline KnownDevice make_high_pass(double inertia, double damping, const HighPassDamper& far) {
   KnownDevice known = make_point_mass(inertia, damping);
-  known.device.mechanics.high_pass_damper = far;
+  known.device.drive.damping.push_back(far);
   return {known.device, [=](Complex s) {
             const Complex floating = far.inertia * s;
             return PortForm{
