@@ -51,6 +51,11 @@ bool is_same_file(const std::string& a, const std::string& b) {
 void add_common_options(CLI::App& command, CommonOptions& options, const std::string& csv_help,
                         const std::string& example) {
   command.add_option("MODEL", options.model, "Model file (JSON)")->required()->check(not_empty());
+  add_output_options(command, options, csv_help, example);
+}
+
+void add_output_options(CLI::App& command, CommonOptions& options, const std::string& csv_help,
+                        const std::string& example) {
   command.add_flag("--json", options.json, "Print one JSON object and nothing else");
   const auto add_file = [&](const char* name, std::string& path, const std::string& help) {
     command.add_option(name, path, help)->type_name("FILE")->check(not_empty());
@@ -66,16 +71,20 @@ void add_common_options(CLI::App& command, CommonOptions& options, const std::st
 }
 
 void check_outputs(const CommonOptions& options) {
+  check_outputs(options, {{"the model", options.model}});
+}
+
+void check_outputs(const CommonOptions& options, const std::vector<NamedFile>& inputs) {
   if (!options.svg.empty() && !options.svg.ends_with(".svg")) {
     throw Error(ErrorCode::bad_input, "--svg", options.svg + ": the name must end in .svg");
   }
   if (!options.png.empty() && !options.png.ends_with(".png")) {
     throw Error(ErrorCode::bad_input, "--png", options.png + ": the name must end in .png");
   }
-  check_files({{"the model", options.model}}, {{"--output", options.output},
-                                               {"--csv", options.csv},
-                                               {"--svg", options.svg},
-                                               {"--png", options.png}});
+  check_files(inputs, {{"--output", options.output},
+                       {"--csv", options.csv},
+                       {"--svg", options.svg},
+                       {"--png", options.png}});
 }
 
 void check_files(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& outputs) {

@@ -25,14 +25,19 @@ struct CommonOptions {
 void add_common_options(CLI::App& command, CommonOptions& options, const std::string& csv_help,
                         const std::string& example);
 
-/// Fails before long work where an output could not be written as asked, or would overwrite the
-/// model or another output.
-void check_outputs(const CommonOptions& options);
+/// The same without MODEL, for a command that takes other inputs.
+void add_output_options(CLI::App& command, CommonOptions& options, const std::string& csv_help,
+                        const std::string& example);
 
 struct NamedFile {
   std::string name;  ///< "--csv", "the model"
   std::string path;  ///< empty where it was not asked for
 };
+
+/// Fails before long work where an output could not be written as asked, or would overwrite the
+/// model or another output.
+void check_outputs(const CommonOptions& options);
+void check_outputs(const CommonOptions& options, const std::vector<NamedFile>& inputs);
 void check_files(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& outputs);
 
 /// Plots, the result file, and on stdout `text` or, with --json, the result.

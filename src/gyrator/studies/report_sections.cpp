@@ -136,6 +136,44 @@ ReportSection zwidth_section(const json& result) {
           "point."};
 }
 
+// ---- Comparison of designs ----------------------------------------------------------------
+
+// What is left of the best stiffness at another winding temperature.
+HtmlCell change_cell(const json& changed, double nominal) {
+  if (!optional_flag(changed, "stable", true)) return {"unstable", "no"};
+  const double ratio = optional_number(changed, "max_stiffness") / nominal;
+  if (!std::isfinite(ratio)) return {"–"};
+  return {"× " + pretty_number(ratio, 3), "number"};
+}
+
+ReportSection compare_section(const json& result) {
+  const std::string place = "compare result: /designs";
+  Rows rows;
+  for (const auto& design : required_array(result, "designs", "compare result")) {
+    const auto& best = required(design, "best", place);
+    const double stiffness = optional_number(best, "max_stiffness");
+    rows.push_back(
+        {{optional_text(design, "name")},
+         number(stiffness, unit_of(result, "stiffness")),
+         number(optional_number(best, "damping"), unit_of(result, "damping")),
+         number(required_number(design, "damping_1hz", place), unit_of(result, "damping")),
+         number(required_number(design, "damping_100hz", place), unit_of(result, "damping")),
+         number(required_number(design, "apparent_inertia", place), unit_of(result, "inertia")),
+         change_cell(required(design, "colder", place), stiffness),
+         change_cell(required(design, "warmer", place), stiffness)});
+  }
+  const auto step =
+      pretty_quantity(required_number(result, "temperature_step", "compare result"), "K");
+  return {
+      "Designs compared",
+      html_table({"Design", "Largest passive stiffness", "At virtual damping", "Damping at 1 Hz",
+                  "Damping at 100 Hz", "Apparent inertia", "Stiffness, winding " + step + " colder",
+                  "Stiffness, winding " + step + " warmer"},
+                 rows),
+      "Below its curve a design's wall is passive with every hand, by the exact disk. Damping "
+      "and inertia are those felt in free air."};
+}
+
 // ---- Simulation -------------------------------------------------------------------------------
 
 std::string ledger_table(const json& result) {
@@ -238,8 +276,9 @@ struct SectionMaker {
   ReportSection (*section)(const json&);
   std::string (*sentence)(const json&);
 };
-constexpr std::array<SectionMaker, 4> makers = {
-    {{"impedance", impedance_section, no_sentence},
+constexpr std::array<SectionMaker, 5> makers = {
+    {{"compare", compare_section, no_sentence},
+     {"impedance", impedance_section, no_sentence},
      {"passivity", passivity_section, passivity_sentence},
      {"simulate", simulate_section, simulate_sentence},
      {"zwidth", zwidth_section, no_sentence}}};

@@ -104,6 +104,35 @@ Figure impedance_figure(const json& result) {
   return figure;
 }
 
+Figure comparison_figure(const json& result) {
+  const std::string place = "compare result: /designs";
+  Figure figure{"Largest passive stiffness by the exact disk", {}};
+  Panel panel{"",
+              {"virtual damping B", unit_of(result, "damping"), true},
+              {"largest passive stiffness K", unit_of(result, "stiffness"), true}};
+  constexpr std::array colours{Colour::grey,   Colour::sky,    Colour::blue,      Colour::green,
+                               Colour::orange, Colour::purple, Colour::vermillion};
+  std::size_t i = 0;
+  for (const auto& design : required(result, "designs", "compare result")) {
+    const auto style = i / colours.size() % 2 == 0 ? CurveStyle::line : CurveStyle::dashed;
+    panel.curves.push_back(
+        {optional_text(design, "name"), required_numbers(design, "damping", place),
+         required_numbers(design, "max_stiffness", place), style, colours[i % colours.size()]});
+    ++i;
+  }
+  // Every boundary ends at zero, which a logarithmic axis has no room for: from half of where the
+  // lowest one starts.
+  double lowest = INFINITY;
+  for (const auto& curve : panel.curves) {
+    if (!curve.y.empty() && curve.y.front() > 0) lowest = std::min(lowest, curve.y.front());
+  }
+  if (std::isfinite(lowest)) panel.y_axis.min = lowest / 2;
+  figure.panels = {panel};
+  figure.panel_width = 860;
+  figure.panel_height = 520;
+  return figure;
+}
+
 Figure simulate_figure(const json& result) {
   const std::string place = "simulate result: /trace";
   const auto& trace = required(result, "trace", "simulate result");
@@ -135,7 +164,8 @@ struct FigureMaker {
   std::string_view command;
   Figure (*make)(const json&);
 };
-constexpr std::array<FigureMaker, 4> figure_makers = {{{"impedance", impedance_figure},
+constexpr std::array<FigureMaker, 5> figure_makers = {{{"compare", comparison_figure},
+                                                       {"impedance", impedance_figure},
                                                        {"passivity", passivity_figure},
                                                        {"simulate", simulate_figure},
                                                        {"zwidth", zwidth_figure}}};

@@ -28,6 +28,9 @@ Figure zwidth_figure(const nlohmann::json& result);
 /// Position, velocity, effort and (where booked) energy over time, one under the other.
 Figure simulate_figure(const nlohmann::json& result);
 
+/// Largest passive stiffness over virtual damping, one curve for each design.
+Figure comparison_figure(const nlohmann::json& result);
+
 /// What the textbook criterion misses: the boundaries in the K–B plane with the model's own
 /// point, and the run of the operator that makes the loop diverge in between. `zwidth` may be
 /// null, and the passivity result without counterexample; at least one must be there.

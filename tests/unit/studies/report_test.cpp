@@ -23,7 +23,8 @@ namespace {
 using nlohmann::json;
 
 std::vector<json> all_samples() {
-  return {sample_passivity(), sample_zwidth(), sample_simulate(), sample_impedance()};
+  return {sample_passivity(), sample_zwidth(), sample_simulate(), sample_compare(),
+          sample_impedance()};
 }
 
 /// What a reader sees: tags taken out.
@@ -223,6 +224,19 @@ TEST(Report, IsWrittenWholeToItsFile) {
 TEST(ResultFigures, EveryCommandHasOne) {
   ASSERT_EQ(known_result_commands().size(), all_samples().size());
   for (const auto& sample : all_samples()) EXPECT_FALSE(result_figure(sample).panels.empty());
+}
+
+TEST(ResultFigures, ComparedDesignsAreShownFromWhereTheLowestBoundaryStarts) {
+  const auto panel = comparison_figure(sample_compare()).panels.at(0);
+  ASSERT_EQ(panel.curves.size(), 2U);
+  EXPECT_EQ(panel.curves[1].title, "cancelled");
+  EXPECT_DOUBLE_EQ(panel.y_axis.min.value(), 0.7 * 0.01 / 2);
+}
+
+TEST(Report, ADesignThatOscillatesWhenColdIsSaidTo) {
+  const auto text = shown_text(report_as_html({sample_compare()}));
+  EXPECT_NE(text.find("unstable"), std::string::npos);
+  EXPECT_NE(text.find("× 0.5"), std::string::npos);
 }
 
 TEST(ResultFigures, NegativeDampingIsShownApartAsItsMagnitude) {

@@ -107,4 +107,24 @@ inline nlohmann::json sample_impedance() {
   return result;
 }
 
+/// Two designs, the second of which oscillates when its winding cools.
+inline nlohmann::json sample_compare() {
+  auto result = sample_base("compare");
+  const auto design = [](const std::string& name, double scale, bool stable) {
+    const nlohmann::json warmer = {{"stable", true}, {"max_stiffness", 0.5 * scale}};
+    return nlohmann::json{{"name", name},
+                          {"damping", {0, 1e-4, 2e-4}},
+                          {"max_stiffness", {0.7 * scale, scale, 0}},
+                          {"best", {{"damping", 1e-4}, {"max_stiffness", scale}}},
+                          {"damping_1hz", 1e-4},
+                          {"damping_100hz", 3e-4},
+                          {"apparent_inertia", 2e-5},
+                          {"colder", {{"stable", stable}, {"max_stiffness", nullptr}}},
+                          {"warmer", warmer}};
+  };
+  result["temperature_step"] = 25;
+  result["designs"] = {design("plain", 0.01, true), design("cancelled", 2, false)};
+  return result;
+}
+
 }  // namespace gyrator
