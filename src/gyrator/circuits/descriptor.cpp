@@ -213,16 +213,16 @@ Eigen::MatrixXcd solve_descriptor(const Descriptor& descriptor, std::complex<dou
     } else {
       while (pencil.row(unknown).allFinite()) ++unknown;
     }
-    throw Error(
-        ErrorCode::numerical,
-        fmt::format(
-            "{}", fmt::join(descriptor.equation_elements[static_cast<std::size_t>(unknown)], ", ")),
-        fmt::format("the network's equations are singular to rounding at {:g} Hz: values out of "
-                    "all proportion "
-                    "to the others",
-                    std::abs(s) / (2 * std::numbers::pi)));
+    throw_singular_pencil(descriptor.equation_elements[static_cast<std::size_t>(unknown)], s);
   }
   return solution;
+}
+
+void throw_singular_pencil(const std::vector<std::string>& elements, std::complex<double> s) {
+  throw Error(ErrorCode::numerical, fmt::format("{}", fmt::join(elements, ", ")),
+              fmt::format("the network's equations are singular to rounding at {:g} Hz: values out "
+                          "of all proportion to the others",
+                          std::abs(s) / (2 * std::numbers::pi)));
 }
 
 Eigen::MatrixXd solve_steady_state(const Descriptor& descriptor) {

@@ -59,7 +59,13 @@ class NetworkEquations {
 
 /// Frequency response straight from the descriptor, (sE - A)^-1 B, one column per input.
 /// s in rad/s. Throws numerical where the pencil is singular at s.
+/// For one frequency; DescriptorResponse is for many.
 Eigen::MatrixXcd solve_descriptor(const Descriptor& descriptor, std::complex<double> s);
+
+/// Throws the numerical error of a pencil that is singular at s, naming the elements around the
+/// unknown that it leaves free.
+[[noreturn]] void throw_singular_pencil(const std::vector<std::string>& elements,
+                                        std::complex<double> s);
 
 /// Steady state for constant inputs, 0 = A x + B u, one column per input. A part of x that
 /// stays undetermined (a node between two capacitors) is set to zero; where no steady state

@@ -1,5 +1,6 @@
 #include "gyrator/passivity/port_response.hpp"
 
+#include "gyrator/circuits/descriptor_response.hpp"
 #include "gyrator/circuits/reduction.hpp"
 #include "gyrator/core/interrupt.hpp"
 
@@ -47,12 +48,13 @@ std::vector<PortResponse> compute_port_response(const Device& device,
   const NetworkEquations equations(network.network);
   const LinearForm port = equations.across(network.port);
   const LinearForm sensed = equations.across(network.sensed);
+  DescriptorResponse response(equations.descriptor());
   std::vector<PortResponse> responses;
   responses.reserve(frequency_hz.size());
   for (const double frequency : frequency_hz) {
     throw_if_interrupted("impedance");
     const double omega = 2 * std::numbers::pi * frequency;
-    const Eigen::MatrixXcd x = solve_descriptor(equations.descriptor(), Complex(0, omega));
+    const Eigen::MatrixXcd& x = response.solve(Complex(0, omega));
     Eigen::MatrixXcd admittance(2, x.cols());
     admittance << port.x * x, sensed.x * x;
     responses.push_back(from_admittance(omega, admittance, network.collocated));
