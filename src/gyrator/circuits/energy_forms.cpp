@@ -1,6 +1,7 @@
 #include "gyrator/circuits/energy_forms.hpp"
 
 #include <variant>
+#include <vector>
 
 namespace gyrator {
 namespace {
@@ -8,8 +9,35 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 
-MatrixXd outer(const RowVectorXd& a, const RowVectorXd& b) {
-  return 0.5 * (a.transpose() * b + b.transpose() * a);
+// The quadratic form (z'a')(b z), symmetric. Kept as its two rows, of which most entries are zero,
+// until it is added to a sum.
+struct Outer {
+  const RowVectorXd& a;
+  const RowVectorXd& b;
+  double factor = 1;
+};
+Outer outer(const RowVectorXd& a, const RowVectorXd& b) {
+  return {a, b};
+}
+Outer operator*(const Outer& o, double by) {
+  return {o.a, o.b, o.factor * by};
+}
+Outer operator/(const Outer& o, double by) {
+  return {o.a, o.b, o.factor / by};
+}
+MatrixXd& operator+=(MatrixXd& sum, const Outer& o) {
+  std::vector<Eigen::Index> used;
+  for (Eigen::Index i = 0; i < o.a.size(); ++i) {
+    if (o.a(i) != 0 || o.b(i) != 0) used.push_back(i);
+  }
+  const double half = o.factor / 2;
+  for (const auto j : used) {
+    for (const auto i : used) sum(i, j) += half * (o.a(j) * o.b(i) + o.b(j) * o.a(i));
+  }
+  return sum;
+}
+MatrixXd& operator-=(MatrixXd& sum, const Outer& o) {
+  return sum += o * -1;
 }
 
 RowVectorXd joined(const RowVectorXd& a, const RowVectorXd& b) {
@@ -77,7 +105,8 @@ EnergyForms build_energy_forms(const NetworkEquations& equations, const Reductio
       const auto impulse = [&](const ReducedForm& f) {
         return joined(joined(none, -f.input_rate), f.input_rate);
       };
-      forms.source_jump -= outer(mean(v), impulse(i)) + outer(mean(i), impulse(v));
+      forms.source_jump -= outer(mean(v), impulse(i));
+      forms.source_jump -= outer(mean(i), impulse(v));
     }
   }
   return forms;

@@ -2,10 +2,12 @@
 
 #include "gyrator/core/error.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <vector>
 
+#include <Eigen/Sparse>
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
@@ -14,6 +16,7 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::RowVectorXd;
 
 // Pivots below this part of the largest entry in their equilibrated row count as zero. Component
 // values span 1e-12 to 1e6, so rows and columns are scaled first; what cancels then leaves 1e-15.
@@ -49,56 +52,142 @@ struct Elimination {
   std::vector<Index> free_rows;
 };
 
-Elimination eliminate(const MatrixXd& matrix, const std::vector<std::vector<Index>>& column_sets) {
-  Elimination e{matrix, MatrixXd::Identity(matrix.rows(), matrix.rows()), {}, {}, {}};
-  const Eigen::VectorXd scales = row_scales(matrix);
-  e.reduced = scales.asDiagonal() * e.reduced;
-  e.combination = scales.asDiagonal() * e.combination;
-  Eigen::VectorXd column_size = Eigen::VectorXd::Ones(matrix.cols());
-  for (Index j = 0; j < matrix.cols(); ++j) {
-    const double largest = matrix.rows() > 0 ? e.reduced.col(j).cwiseAbs().maxCoeff() : 0;
-    if (largest > 0) column_size(j) = largest;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// The rows while they are eliminated. Most of a network's entries are zero, so an operation costs
+// what the pivot row holds, and the largest candidate of each row is kept until the row changes.
+class Rows {
+ public:
+  explicit Rows(const MatrixXd& matrix)
+      : reduced_(matrix),
+        combination_(RowMajor::Identity(matrix.rows(), matrix.rows())),
+        column_size_(Eigen::VectorXd::Ones(matrix.cols())),
+        used_(static_cast<std::size_t>(matrix.rows()), false),
+        best_(static_cast<std::size_t>(matrix.rows())) {
+    const Eigen::VectorXd scales = row_scales(matrix);
+    reduced_ = scales.asDiagonal() * reduced_;
+    combination_.diagonal() = scales;
+    for (Index j = 0; j < matrix.cols(); ++j) {
+      const double largest = matrix.rows() > 0 ? reduced_.col(j).cwiseAbs().maxCoeff() : 0;
+      if (largest > 0) column_size_(j) = largest;
+    }
   }
-  std::vector<bool> used(static_cast<std::size_t>(matrix.rows()), false);
+
+  // Columns among which the next pivots are sought.
+  void open(const std::vector<Index>& columns) {
+    open_ = columns;
+    for (Index i = 0; i < reduced_.rows(); ++i) find_best(i);
+  }
+
+  struct Pivot {
+    Index row = -1, column = -1;
+    double size = rank_tolerance;
+  };
+  // The largest candidate in any free row, the first column and row among equals.
+  Pivot find_pivot() const {
+    Pivot pivot;
+    for (Index i = 0; i < reduced_.rows(); ++i) {
+      if (used_[static_cast<std::size_t>(i)]) continue;
+      const Pivot& candidate = best_[static_cast<std::size_t>(i)];
+      if (candidate.row < 0) continue;
+      if (candidate.size > pivot.size ||
+          (candidate.size == pivot.size && candidate.column < pivot.column))
+        pivot = candidate;
+    }
+    return pivot;
+  }
+
+  // Divides the pivot row by its pivot and takes it out of all others.
+  void apply(const Pivot& pivot) {
+    used_[static_cast<std::size_t>(pivot.row)] = true;
+    open_.erase(std::find(open_.begin(), open_.end(), pivot.column));
+    const double value = reduced_(pivot.row, pivot.column);
+    reduced_.row(pivot.row) /= value;
+    combination_.row(pivot.row) /= value;
+    const std::vector<Index> in_reduced = find_entries(reduced_, pivot.row);
+    const std::vector<Index> in_combination = find_entries(combination_, pivot.row);
+    for (Index i = 0; i < reduced_.rows(); ++i) {
+      const double factor = reduced_(i, pivot.column);
+      if (i == pivot.row || factor == 0) continue;
+      subtract(reduced_, i, factor, pivot.row, in_reduced);
+      subtract(combination_, i, factor, pivot.row, in_combination);
+      reduced_(i, pivot.column) = 0;
+      find_best(i);
+    }
+  }
+
+  bool is_free(Index row) const { return !used_[static_cast<std::size_t>(row)]; }
+  const RowMajor& reduced() const { return reduced_; }
+  const RowMajor& combination() const { return combination_; }
+
+ private:
+  static std::vector<Index> find_entries(const RowMajor& matrix, Index row) {
+    std::vector<Index> entries;
+    for (Index j = 0; j < matrix.cols(); ++j) {
+      if (matrix(row, j) != 0) entries.push_back(j);
+    }
+    return entries;
+  }
+
+  static void subtract(RowMajor& matrix, Index row, double factor, Index from,
+                       const std::vector<Index>& entries) {
+    if (static_cast<Index>(entries.size()) > matrix.cols() / 4) {
+      matrix.row(row) -= factor * matrix.row(from);
+      return;
+    }
+    for (const Index j : entries) matrix(row, j) -= factor * matrix(from, j);
+  }
+
+  void find_best(Index row) {
+    Pivot& best = best_[static_cast<std::size_t>(row)];
+    best = {};
+    if (used_[static_cast<std::size_t>(row)]) return;
+    for (const Index column : open_) {
+      const double size = std::abs(reduced_(row, column)) / column_size_(column);
+      if (size > best.size) best = {row, column, size};
+    }
+  }
+
+  RowMajor reduced_, combination_;
+  Eigen::VectorXd column_size_;
+  std::vector<bool> used_;
+  std::vector<Index> open_;
+  std::vector<Pivot> best_;  // of each free row
+};
+
+Elimination eliminate(const MatrixXd& matrix, const std::vector<std::vector<Index>>& column_sets) {
+  Rows rows(matrix);
+  Elimination e;
   for (const auto& columns : column_sets) {
-    std::vector<Index> open = columns;
-    while (!open.empty()) {
-      Index best_row = -1;
-      std::size_t best = 0;
-      double best_size = rank_tolerance;
-      for (std::size_t k = 0; k < open.size(); ++k) {
-        for (Index i = 0; i < matrix.rows(); ++i) {
-          if (used[static_cast<std::size_t>(i)]) continue;
-          const double size = std::abs(e.reduced(i, open[k])) / column_size(open[k]);
-          if (size > best_size) {
-            best_size = size;
-            best_row = i;
-            best = k;
-          }
-        }
-      }
-      if (best_row < 0) break;
-      const Index column = open[best];
-      const double pivot = e.reduced(best_row, column);
-      e.reduced.row(best_row) /= pivot;
-      e.combination.row(best_row) /= pivot;
-      for (Index i = 0; i < matrix.rows(); ++i) {
-        const double factor = e.reduced(i, column);
-        if (i == best_row || factor == 0) continue;
-        e.reduced.row(i) -= factor * e.reduced.row(best_row);
-        e.combination.row(i) -= factor * e.combination.row(best_row);
-        e.reduced(i, column) = 0;
-      }
-      used[static_cast<std::size_t>(best_row)] = true;
-      e.pivot_rows.push_back(best_row);
-      e.pivot_columns.push_back(column);
-      open.erase(open.begin() + static_cast<std::ptrdiff_t>(best));
+    rows.open(columns);
+    for (auto pivot = rows.find_pivot(); pivot.row >= 0; pivot = rows.find_pivot()) {
+      rows.apply(pivot);
+      e.pivot_rows.push_back(pivot.row);
+      e.pivot_columns.push_back(pivot.column);
     }
   }
   for (Index i = 0; i < matrix.rows(); ++i) {
-    if (!used[static_cast<std::size_t>(i)]) e.free_rows.push_back(i);
+    if (rows.is_free(i)) e.free_rows.push_back(i);
   }
+  e.reduced = rows.reduced();
+  e.combination = rows.combination();
   return e;
+}
+
+// a b, at a cost that follows the entries where most of them are zero.
+MatrixXd multiply(const MatrixXd& a, const MatrixXd& b) {
+  constexpr double dense_advantage = 4;  // of a blocked product, per multiplication
+  const auto count = [](const MatrixXd& m) {
+    return static_cast<double>((m.array() != 0).count());
+  };
+  const auto size = [](Index n) { return static_cast<double>(n); };
+  const double left = count(a) * size(b.cols());
+  const double right = size(a.rows()) * count(b);
+  if (std::min(left, right) > size(a.rows()) * size(a.cols()) * size(b.cols()) / dense_advantage)
+    return a * b;
+  using Sparse = Eigen::SparseMatrix<double>;
+  if (left <= right) return Sparse(a.sparseView()) * b;
+  return a * Sparse(b.sparseView());
 }
 
 std::vector<Index> range(Index n) {
@@ -107,7 +196,7 @@ std::vector<Index> range(Index n) {
   return all;
 }
 
-[[noreturn]] void throw_singular(const Descriptor& descriptor, const Eigen::RowVectorXd& equation) {
+[[noreturn]] void throw_singular(const Descriptor& descriptor, const RowVectorXd& equation) {
   std::set<std::string> elements;
   const double largest = equation.cwiseAbs().maxCoeff();
   for (Index i = 0; i < equation.size(); ++i) {
@@ -126,7 +215,15 @@ std::vector<Index> range(Index n) {
 }  // namespace
 
 ReducedForm Reduction::reduce(const LinearForm& form) const {
-  return {form.x * recover_state, form.x * recover_input + form.u, form.x * recover_rate};
+  ReducedForm reduced{RowVectorXd::Zero(recover_state.cols()), form.u,
+                      RowVectorXd::Zero(recover_rate.cols())};
+  for (Index i = 0; i < form.x.size(); ++i) {  // a form names a few unknowns
+    if (form.x(i) == 0) continue;
+    reduced.state += form.x(i) * recover_state.row(i);
+    reduced.input += form.x(i) * recover_input.row(i);
+    reduced.input_rate += form.x(i) * recover_rate.row(i);
+  }
+  return reduced;
 }
 
 Reduction reduce(const Descriptor& descriptor) {
@@ -141,14 +238,20 @@ Reduction reduce(const Descriptor& descriptor) {
               MatrixXd::Zero(size, inputs),
               MatrixXd::Identity(size, size)};
 
-  while (s.E.rows() > 0) {
+  MatrixXd inverse;  // of E, once it is regular
+  for (;;) {
     // Split the equations into differential ones and those that E leaves algebraic.
     const Elimination split = eliminate(s.E, {range(s.E.cols())});
-    if (split.free_rows.empty()) break;
+    if (split.free_rows.empty()) {
+      inverse = MatrixXd(s.E.cols(), s.E.rows());
+      for (std::size_t k = 0; k < split.pivot_rows.size(); ++k)
+        inverse.row(split.pivot_columns[k]) = split.combination.row(split.pivot_rows[k]);
+      break;
+    }
     const MatrixXd rows_d = split.combination(split.pivot_rows, Eigen::all);
     const MatrixXd rows_a = split.combination(split.free_rows, Eigen::all);
     const MatrixXd E_d = split.reduced(split.pivot_rows, Eigen::all);
-    const MatrixXd A_a = rows_a * s.A;
+    const MatrixXd A_a = multiply(rows_a, s.A);
 
     // Solve the algebraic ones, for unknowns without a derivative first: what is left as state
     // is then a node's velocity, a voltage or an inductor's current wherever possible.
@@ -158,7 +261,7 @@ Reduction reduce(const Descriptor& descriptor) {
       (E_d.col(j).isZero(0) ? algebraic : differential).push_back(j);
     const Elimination solved = eliminate(A_a, {algebraic, differential});
     if (!solved.free_rows.empty()) {
-      const Eigen::RowVectorXd equation =
+      const RowVectorXd equation =
           solved.combination.row(solved.free_rows.front()) * rows_a * s.rows;
       throw_singular(descriptor, equation);
     }
@@ -198,35 +301,32 @@ Reduction reduce(const Descriptor& descriptor) {
     }
 
     Shrinking next;
-    next.E = E_d * N;
-    next.A = rows_d * s.A * N;
+    const MatrixXd A_d = multiply(rows_d, s.A);
+    next.E = multiply(E_d, N);
+    next.A = multiply(A_d, N);
     next.B = rows_d * (s.B + s.A * N_u);
     next.R = rows_d * (s.R + s.A * N_r) - E_d * N_u;
-    next.state = s.state * N;
+    next.state = multiply(s.state, N);
     next.input = s.input + s.state * N_u;
     next.rate = s.rate + s.state * N_r;
     // A differential equation may hold an unknown that the algebraic ones determine and that has an
     // impulse where the initial values contradict them (the force that joins two masses). With the
     // algebraic equations added so that it drops out, charge and momentum are kept.
-    const MatrixXd held = (rows_d * s.A)(Eigen::all, solved.pivot_columns);
-    next.rows =
-        (rows_d - held * solved.combination(solved.pivot_rows, Eigen::all) * rows_a) * s.rows;
+    const MatrixXd held = A_d(Eigen::all, solved.pivot_columns);
+    const MatrixXd solved_rows = solved.combination(solved.pivot_rows, Eigen::all);
+    next.rows = multiply(rows_d - multiply(multiply(held, solved_rows), rows_a), s.rows);
     s = std::move(next);
   }
 
   // dw/dt = E^-1 (A w + B u + R u'), then w -> w - F u with F = E^-1 R.
-  const Eigen::PartialPivLU<MatrixXd> lu(s.E);
-  const auto solve = [&](const MatrixXd& rhs) -> MatrixXd {
-    return s.E.rows() > 0 ? MatrixXd(lu.solve(rhs)) : MatrixXd(0, rhs.cols());
-  };
   Reduction r;
-  r.A = solve(s.A);
-  const MatrixXd F = solve(s.R);
-  r.B = solve(s.B) + r.A * F;
+  r.A = multiply(inverse, s.A);
+  const MatrixXd F = multiply(inverse, s.R);
+  r.B = multiply(inverse, s.B) + multiply(r.A, F);
   r.recover_state = s.state;
   r.recover_input = s.input + s.state * F;
   r.recover_rate = s.rate;
-  r.initialize = solve(s.rows * descriptor.E);
+  r.initialize = multiply(inverse, multiply(s.rows, descriptor.E));
   return r;
 }
 
