@@ -82,6 +82,28 @@ void response_reduced(benchmark::State& state) {
   }
 }
 
+// What a passivity verdict asks of the reduced network: 10^5 points with two inputs and outputs.
+void alias_points(benchmark::State& state) {
+  const auto n = static_cast<Eigen::Index>(state.range(0));
+  auto sized = bench::make_rc_grid(static_cast<int>(n) + 1);
+  sized.network.add("feed", ground, sized.far, CurrentSource{sized.network.add_input("j")});
+  const NetworkEquations equations(sized.network);
+  const Reduction r = reduce(equations.descriptor());
+  const ReducedForm far = r.reduce(equations.across(sized.far));
+  const ReducedForm near = r.reduce(equations.through(sized.source));
+  StateSpace system{r.A, r.B, Eigen::MatrixXd(2, r.A.rows()), Eigen::MatrixXd(2, 2)};
+  system.C << far.state, near.state;
+  system.D << far.input, near.input;
+  HessenbergResponse response(system);
+  Eigen::MatrixXcd response_at;
+  for (auto _ : state) {
+    for (int i = 0; i < 100000; ++i) {
+      response.evaluate(point(i % points), response_at);
+      benchmark::DoNotOptimize(response_at.data());
+    }
+  }
+}
+
 void energy_forms(benchmark::State& state) {
   const NetworkEquations equations(make(state).network);
   const Reduction r = reduce(equations.descriptor());
@@ -100,6 +122,7 @@ BENCHMARK(reduction)->Apply(sizes);
 BENCHMARK(response_dense)->Apply(sizes);
 BENCHMARK(response_sparse)->Apply(sizes);
 BENCHMARK(response_reduced)->Apply(sizes);
+BENCHMARK(alias_points)->ArgName("states")->Arg(4)->Arg(12)->Arg(60)->Unit(benchmark::kMillisecond);
 BENCHMARK(energy_forms)->Apply(sizes);
 
 }  // namespace

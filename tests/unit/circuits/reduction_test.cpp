@@ -3,6 +3,7 @@
 #include "gyrator/circuits/state_space.hpp"
 #include "gyrator/core/error.hpp"
 
+#include <cmath>
 #include <complex>
 #include <functional>
 #include <string>
@@ -225,6 +226,46 @@ TEST(Reduction, takes_component_values_over_eighteen_decades) {
   EXPECT_NEAR(poles.real().maxCoeff() / -1e-6, 1, rounding);
 }
 
+// A long ladder with an index-2 place at either end: hundreds of unknowns, of which the algebraic
+// ones between the capacitors make some blocks dense.
+Network make_long_ladder(int sections) {
+  Network n;
+  const int u = n.add_input("voltage"), j = n.add_input("current");
+  NodeId node = electrical(n, "start");
+  n.add("source", node, ground, VoltageSource{u});
+  n.add("c.start", node, ground, Capacitor{2e-3});  // across the source: its current has u'
+  for (int i = 0; i < sections; ++i) {
+    const std::string name = std::to_string(i);
+    const double vary = std::pow(10, 0.5 * std::sin(1.7 * i));
+    const NodeId inner = electrical(n, ("inner" + name).c_str());
+    const NodeId next = electrical(n, ("node" + name).c_str());
+    n.add("r" + name, node, inner, Resistor{3 * vary});
+    n.add("l" + name, inner, next, Inductor{0.2 / vary});
+    if (i % 4 != 1) n.add("c" + name, next, ground, Capacitor{1e-3 * vary});
+    n.add("g" + name, next, ground, Resistor{50 * vary});
+    node = next;
+  }
+  const NodeId end = electrical(n, "end");
+  n.add("l.end", node, end, Inductor{0.1});
+  n.add("feed", ground, end, CurrentSource{j});  // decides the inductor's current
+  return n;
+}
+
+TEST(Reduction, of_hundreds_of_unknowns_gives_the_descriptors_response) {
+  const NetworkEquations equations(make_long_ladder(100));
+  ASSERT_GT(equations.descriptor().size(), 300);
+  const Reduction r = reduce(equations.descriptor());
+  EXPECT_EQ(r.A.rows(), 100 + 75) << "inductors and capacitors but for those at the ends";
+  for (const Complex s : {Complex(0, 0.01), Complex(0, 30), Complex(-0.4, 800)}) {
+    const MatrixXcd wanted = solve_descriptor(equations.descriptor(), s);
+    const MatrixXcd pencil = s * MatrixXcd::Identity(r.A.rows(), r.A.rows()) - r.A;
+    const MatrixXcd w = pencil.partialPivLu().solve(r.B.cast<Complex>());
+    const MatrixXcd found = r.recover_state * w + r.recover_input + s * r.recover_rate;
+    // A hundred times the unknowns of the small networks, their roundings in sequence.
+    EXPECT_LE((found - wanted).norm(), 100 * rounding * wanted.norm()) << "s = " << s;
+  }
+}
+
 TEST(Reduction, a_network_of_resistors_has_no_state) {
   Network n;
   const int u = n.add_input("voltage");
@@ -285,6 +326,17 @@ TEST(SingularNetwork, names_the_sources_of_a_current_cut_set) {
               n.add("load", b, ground, Resistor{1});
             }),
             "down, up");
+}
+
+TEST(SingularNetwork, names_the_island_among_hundreds_of_elements) {
+  EXPECT_EQ(refusal([](Network& n) {
+              n = make_long_ladder(100);
+              const NodeId a = electrical(n, "a"), b = electrical(n, "b"), c = electrical(n, "c");
+              n.add("island.ab", a, b, Resistor{3});
+              n.add("island.bc", b, c, Resistor{7});
+              n.add("island.ca", c, a, Resistor{11});
+            }),
+            "island.ab, island.bc, island.ca");
 }
 
 TEST(SingularNetwork, an_isolated_winding_floats) {
