@@ -18,8 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t deepest_include = 16;
+constexpr int most_includes = 1000;
 constexpr std::size_t deepest_definition = 32;
-constexpr std::size_t most_lines = 200'000;
+constexpr std::size_t most_lines = 20'000;
 constexpr std::uintmax_t largest_file = 16'000'000;  // bytes
 
 // Control lines that say what to simulate and show, not what the circuit is.
@@ -110,6 +111,10 @@ class Inclusion {
       refuse(line.place, fmt::format("'{}': files include files more than {} deep", line.text,
                                      deepest_include));
     }
+    if (++includes_ > most_includes) {
+      refuse(line.place,
+             fmt::format("'{}': more than {} files are included", line.text, most_includes));
+    }
     open_.push_back(known);
     add(decode_spice_text(read_file(path), path.string()), path, SpiceFirstLine::statement);
     open_.pop_back();
@@ -123,6 +128,7 @@ class Inclusion {
   }
 
   std::vector<fs::path> open_;
+  int includes_ = 0;
   fs::path first_;
 };
 
