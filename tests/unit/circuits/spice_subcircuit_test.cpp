@@ -101,6 +101,10 @@ TEST(SpiceSubcircuit, a_deck_between_two_nodes_needs_no_subcircuit) {
     EXPECT_EQ(circuit.pin_count, 2);
     EXPECT_TRUE(is_near(compute_impedance(circuit, s_of(1)), 2, rounding)) << deck;
   }
+  const SpiceElement source = parse("title\nR1 n 0 4\nG1 n 0 n 0 0.25").elements[1];
+  EXPECT_EQ(source.negative, NodeId{2});
+  EXPECT_EQ(std::get<VoltageControlledCurrentSource>(source.law).control_negative, NodeId{2})
+      << "its ground is the second terminal, wherever that lies";
   EXPECT_TRUE(mentions(refuse("title\nR1 n m 4\nR2 m 0 4"),
                        {"test.cir: ", "has 3 nodes", ".subckt NAME n1 n2"}));
 }
