@@ -350,7 +350,7 @@ std::string describe_kinds() {
 
 void read_spice_element(const SpiceCard& card, SpiceInstance& instance, SpiceBuilder& builder) {
   const std::string name = card.words.empty() ? std::string{} : lower_spice(card.words.front());
-  const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const Kind& k) {
+  const auto* const kind = std::find_if(kinds.begin(), kinds.end(), [&](const Kind& k) {
     return !name.empty() && k.letter == name[0] &&
            (k.letter != '@' || instance.definition->built_in);
   });

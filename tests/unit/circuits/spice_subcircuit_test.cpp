@@ -1,5 +1,8 @@
 #include "gyrator/circuits/spice_subcircuit.hpp"
 
+#include "gyrator/circuits/reduction.hpp"
+
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -169,6 +172,24 @@ TEST(SpiceSubcircuit, two_ideal_op_amps_make_an_inductance) {
     const Complex s = s_of(hz);
     const Complex expected = 1e3 * 3e3 * 4e3 * 10e-9 / 2e3 * s;
     EXPECT_TRUE(is_near(compute_impedance(circuit, s), expected, 1e-11)) << hz;
+  }
+}
+
+TEST(SpiceSubcircuit, a_simulated_inductance_resonates_with_a_capacitor_in_the_time_domain) {
+  // The inductance above, 60 mH, beside 1 uF: poles at +-j / sqrt(L C), undamped.
+  const SpiceCircuit circuit = read_lines(
+      "X1 a m o1 ideal_opamp\nX2 b2 m o2 ideal_opamp\nC1 a b 1u\n"
+      "R1 a o2 1k\nR2 o2 m 2k\nR3 m o1 3k\nC4 o1 b2 10n\nR5 b2 b 4k");
+  Network network;
+  const NodeId terminal = network.add_node("terminal", Domain::electrical);
+  network.add("drive", ground, terminal, CurrentSource{network.add_input("current")});
+  add_subcircuit(network, circuit, "c", {terminal, ground});
+  const Reduction reduction = reduce(NetworkEquations(network).descriptor());
+  const Eigen::VectorXcd poles = reduction.A.eigenvalues();
+  ASSERT_EQ(poles.size(), 2);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_NEAR(std::abs(poles(i).imag()), 1 / std::sqrt(60e-3 * 1e-6), 1e-8);
+    EXPECT_NEAR(poles(i).real(), 0, 1e-8) << "of 4082 rad/s";
   }
 }
 
