@@ -58,7 +58,8 @@ class SpiceBuilder {
   };
 
   void read_lines(SpiceInstance& instance);
-  void override_parameters(const SpiceCard& card, SpiceInstance& caller, SpiceInstance& instance);
+  static void override_parameters(const SpiceCard& card, SpiceInstance& caller,
+                                  SpiceInstance& instance);
   /// The definition that a name means in an instance, and the instance around it.
   SpiceInstance find_definition(const SpiceCard& card, const std::string& name,
                                 SpiceInstance& caller);
