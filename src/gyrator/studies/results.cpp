@@ -349,4 +349,27 @@ json make_simulation_result(const Model& model, const SimulationRequest& request
   return result;
 }
 
+json make_spice_result(const Model& model, const SpiceDeck& deck,
+                       const std::optional<std::vector<SpiceDeviation>>& check) {
+  json result = start_result("spice", model);
+  result["netlist"] = deck.text;
+  result["impedance_file"] = deck.impedance_file;
+  result["motion_file"] = deck.motion_file;
+  result["final_time_s"] = deck.run.final_time_s;
+  if (!check) return result;
+  bool agrees = true;
+  json deviations = json::array();
+  for (const auto& d : *check) {
+    agrees = agrees && d.agrees();
+    deviations.push_back({{"quantity", d.quantity},
+                          {"worst", finite_or_null(d.worst)},
+                          {d.over_time ? "time_s" : "frequency_hz", d.at},
+                          {"tolerance", d.tolerance},
+                          {"agrees", d.agrees()}});
+  }
+  result["agrees"] = agrees;
+  result["deviations"] = std::move(deviations);
+  return result;
+}
+
 }  // namespace gyrator

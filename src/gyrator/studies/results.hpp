@@ -2,7 +2,9 @@
 
 #include "gyrator/passivity/stiffness_limit.hpp"
 #include "gyrator/studies/model_file.hpp"
+#include "gyrator/studies/spice_check.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,5 +49,9 @@ TimeRun run_simulation(const Model& model, const SimulationRequest& request);
 /// The run as a result; long traces are thinned for it.
 nlohmann::json make_simulation_result(const Model& model, const SimulationRequest& request,
                                       const TimeRun& run);
+
+/// The netlist, with ngspice's deviations where it has been checked.
+nlohmann::json make_spice_result(const Model& model, const SpiceDeck& deck,
+                                 const std::optional<std::vector<SpiceDeviation>>& check);
 
 }  // namespace gyrator
