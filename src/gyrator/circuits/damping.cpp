@@ -151,6 +151,9 @@ void add_across(DriveParts& parts, const Damping& damping, const std::string& na
       network.add(name + ".resistance", terminal, capacitor, Resistor{rc->resistance});
     }
     network.add(name + ".capacitance", capacitor, ground, Capacitor{rc->capacitance});
+  } else if (const auto* netlist = std::get_if<NetlistDamping>(&damping)) {
+    check_two_terminals(netlist->circuit);
+    add_subcircuit(network, netlist->circuit, name, {terminal, ground});
   }
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "gyrator/circuits/spice_subcircuit.hpp"
+
 #include <optional>
 #include <variant>
 
@@ -19,6 +21,12 @@ struct ResistorDamping {
 struct RcDamping {
   double resistance = 0;
   double capacitance = 0;
+};
+
+/// Any circuit with two terminals, from a SPICE file (docs/netlist.md); its second pin is the
+/// terminals' ground.
+struct NetlistDamping {
+  SpiceCircuit circuit;
 };
 
 // In series with the motor.
@@ -81,7 +89,8 @@ struct HighPassDamper {
 };
 
 /// The closed list.
-using Damping = std::variant<ResistorDamping, RcDamping, ResistanceCancellation, BackEmfDamping,
-                             HeldImpedance, TorqueSensedDamper, EddyCurrentBrake, HighPassDamper>;
+using Damping =
+    std::variant<ResistorDamping, RcDamping, NetlistDamping, ResistanceCancellation, BackEmfDamping,
+                 HeldImpedance, TorqueSensedDamper, EddyCurrentBrake, HighPassDamper>;
 
 }  // namespace gyrator

@@ -86,7 +86,8 @@ bool ignores_damping(const Amplifier& amplifier) {
 
 bool is_across(const Damping& damping) {
   return std::holds_alternative<ResistorDamping>(damping) ||
-         std::holds_alternative<RcDamping>(damping);
+         std::holds_alternative<RcDamping>(damping) ||
+         std::holds_alternative<NetlistDamping>(damping);
 }
 
 bool needs_motor(const Damping& damping) {

@@ -62,7 +62,8 @@ void add_resistance(Line& line, std::string_view suffix, NodeId positive, NodeId
              VoltageControlledCurrentSource{1 / resistance, positive, negative});
   } else {
     refuse_negative(line, "resistance", resistance, "ohm",
-                    "a negative component value supplies energy and has to be allowed explicitly");
+                    "a negative component value supplies energy and has to be allowed explicitly "
+                    "(\"allow_negative\": true)");
   }
 }
 

@@ -7,6 +7,9 @@
 #include "gyrator/plots/pretty_text.hpp"
 #include "gyrator/studies/model_format.hpp"
 
+#include <filesystem>
+#include <utility>
+
 namespace gyrator {
 namespace {
 
@@ -43,10 +46,21 @@ HighPassDamper high_pass_damper_of(const json& d) {
   return {either(d, "inertia", "mass"), d["damping"]};
 }
 
+// The path stands relative to the model file's folder.
+NetlistDamping netlist_of(const json& d, const std::string& model_file) {
+  const auto path = std::filesystem::path(model_file).parent_path() / d["file"].get<std::string>();
+  SpiceCircuit circuit =
+      read_subcircuit(path, d["subckt"].get<std::string>(), {d["allow_negative"].get<bool>()});
+  check_two_terminals(circuit);
+  return {std::move(circuit)};
+}
+
 // One line per kind of the list. The motor gives what the drive would be set up with by default.
-Damping damping_of(const json& d, const Motor& motor, const json& controller) {
+Damping damping_of(const json& d, const Motor& motor, const json& controller,
+                   const std::string& file) {
   const std::string kind = d["kind"];
   if (kind == "resistor") return ResistorDamping{d["resistance"]};
+  if (kind == "netlist") return netlist_of(d, file);
   if (kind == "rc") return RcDamping{d["resistance"], d["capacitance"]};
   if (kind == "resistance_cancellation") {
     const auto fraction = optional_of(d, "fraction");
@@ -71,7 +85,7 @@ Damping damping_of(const json& d, const Motor& motor, const json& controller) {
   return high_pass_damper_of(d);
 }
 
-Drive drive_of(const json& model) {
+Drive drive_of(const json& model, const std::string& file) {
   Drive drive;
   if (const json& m = model["motor"]; !m.is_null()) {
     drive.motor = Motor{either(m, "torque_constant", "force_constant"), m["resistance"],
@@ -80,7 +94,7 @@ Drive drive_of(const json& model) {
   drive.amplifier = amplifier_of(model["amplifier"]);
   for (const auto& damping : model["damping"])
     drive.damping.push_back(
-        damping_of(damping, drive.motor.value_or(Motor{}), model["controller"]));
+        damping_of(damping, drive.motor.value_or(Motor{}), model["controller"], file));
   if (const json& h = model["mechanics"]["high_pass_damper"]; !h.is_null())
     drive.damping.emplace_back(high_pass_damper_of(h));
   return drive;
@@ -170,7 +184,7 @@ Model parse_model(const json& document, const std::string& file) {
   model.name = plain_text(m["name"].get<std::string>());
   model.file = file;
   model.device.motion = m["motion"] == "rotary" ? Motion::rotary : Motion::linear;
-  model.device.drive = drive_of(m);
+  model.device.drive = drive_of(m, file);
   model.device.mechanics = mechanics_of(m["mechanics"]);
   model.device.sensor =
       m["sensor"]["location"] == "motor" ? SensorLocation::motor : SensorLocation::port;

@@ -167,6 +167,16 @@ std::vector<ObjectSpec> branch_specs() {
                    .required()
                    .above(0)
                    .doc("Blocks the damping at low frequency; acts as the inertia K_t^2 C there."),
+           }},
+          {"netlist",
+           "A circuit with two terminals from a SPICE file, across the motor.",
+           {
+               member::text("file").required().doc("Path, relative to the model file."),
+               member::text("subckt").by_default("").doc(
+                   "Name of the subcircuit; absent: the file's only one."),
+               member::boolean("allow_negative")
+                   .by_default(false)
+                   .doc("Take negative resistances, as parts that supply energy."),
            }}};
 }
 

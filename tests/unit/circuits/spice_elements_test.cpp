@@ -73,7 +73,7 @@ TEST(SpiceElements, zero_is_a_short_for_resistance_and_inductance_and_nothing_fo
 TEST(SpiceElements, a_negative_resistance_needs_permission_and_is_a_source) {
   EXPECT_EQ(refuse_lines("R1 a b 1k\nR2 a b {-2*5}"),
             "test.cir:3: 'R2 a b {-2*5}': resistance of r2 is -10 ohm: a negative component value "
-            "supplies energy and has to be allowed explicitly");
+            "supplies energy and has to be allowed explicitly (\"allow_negative\": true)");
   const SpiceReadOptions allowed{.allow_negative = true};
   expect_impedance(
       "R1 a n 15\nR2 n b -10", [](Complex) { return Complex(5); }, allowed);
