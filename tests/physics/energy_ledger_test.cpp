@@ -69,6 +69,27 @@ TEST(EnergyLedger, closes_to_the_tolerance_of_the_integrating_engines) {
   }
 }
 
+TEST(EnergyLedger, closes_around_an_analog_loop_that_works_without_a_command) {
+  // Started off the centre at rest: what the loop gives is booked as the source's work.
+  const MassSpringDamper hand{.inertia = 3e-5, .damping = 2e-4, .stiffness = 0.3, .resonators = {}};
+  for (const auto& [name, device] : testing::make_held_devices()) {
+    for (const Operator& held_by : {Operator{FreeOperator{}}, Operator{hand}}) {
+      for (const auto& [engine, tolerance] :
+           {std::pair{EngineKind::exact, 1e-12}, std::pair{EngineKind::cvode, 1e-6}}) {
+        SimulationOptions options;
+        options.duration = Rational(1, 20);
+        options.initial_position = 0.02;
+        options.engine = engine;
+        const TimeRun run = simulate(build_plant(build_device_network(device, held_by)), {},
+                                     NoController{}, one_ms, options);
+        EXPECT_EQ(run.trace.column("position").front(), 0.02) << name;
+        EXPECT_GT(std::abs(run.energy.source), 1e-8) << name;
+        EXPECT_NEAR(run.energy.residual, 0, tolerance * find_largest_flow(run)) << name;
+      }
+    }
+  }
+}
+
 TEST(EnergyLedger, closes_where_an_ideal_loop_around_the_motor_current_meets_a_damping_branch) {
   // A step of the command is an impulse of voltage at the branch; the motion knows nothing of it.
   for (const Damping& damping : {Damping{ResistorDamping{10}},

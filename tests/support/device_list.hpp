@@ -45,6 +45,69 @@ struct NamedDevice {
   Device device;
 };
 
+/// Kinds of damping that need not meet every amplifier, warm windings, and mixtures.
+inline std::vector<NamedDevice> make_fed_back_devices() {
+  Device device = make_rc_display();
+  std::vector<NamedDevice> list;
+  const auto add = [&](const std::string& name, const Amplifier& amplifier,
+                       std::vector<Damping> damping, double rise = 0) {
+    Device varied = device;
+    varied.drive.amplifier = amplifier;
+    varied.drive.damping = std::move(damping);
+    varied.drive.motor->temperature_rise = rise;
+    list.push_back({name, varied});
+  };
+  const CurrentAmplifier current{.bandwidth_hz = 400};
+  const VoltageAmplifier voltage{.bandwidth_hz = 800, .output_resistance = 0.7};
+  const ResistanceCancellation cancellation{.resistance = 1, .bandwidth_hz = {}};
+  const TorqueSensedDamper sensed{.damping = 2e-4, .cutoff_hz = 20};
+  BackEmfDamping back_emf{.damping = 3e-4,
+                          .resistance_estimate = 1.5,
+                          .inductance_estimate = 0.5e-3,
+                          .low_pass_hz = {},
+                          .high_pass_hz = {}};
+  add("1 ohm cancelled", VoltageAmplifier{}, {cancellation});
+  add("1 ohm cancelled, warm", voltage, {cancellation}, 30);
+  add("back-EMF, unfiltered", CurrentAmplifier{}, {back_emf});
+  back_emf.high_pass_hz = 2;
+  add("back-EMF, high-pass, warm", current, {back_emf}, 40);
+  back_emf.low_pass_hz = 200;
+  add("back-EMF, band-pass", voltage, {back_emf});
+  add("torque-sensed damper", current, {sensed});
+  add("eddy-current brake", current, {EddyCurrentBrake{.damping = 2e-4, .on = true}});
+  add("all feedback and an RC branch", voltage,
+      {RcDamping{.resistance = 5, .capacitance = 2200e-6}, cancellation, back_emf, sensed,
+       HighPassDamper{.inertia = 5e-6, .damping = 1e-3}});
+  device.mechanics.transmission =
+      Transmission{.stiffness = 20, .damping = 1e-3, .load_inertia = 1e-5};
+  device.sensor = SensorLocation::motor;
+  add("torque-sensed damper, compliant, sensor at the motor", current, {sensed});
+  return list;
+}
+
+/// Devices whose wall is an analog loop: without a command they are not at rest anywhere but at
+/// the centre.
+inline std::vector<NamedDevice> make_held_devices() {
+  const HeldImpedance loop{.stiffness = 0.05, .damping = 1e-4, .bandwidth_hz = {}};
+  Device device = make_rc_display();
+  device.drive = {};
+  std::vector<NamedDevice> list;
+  const auto add = [&](const std::string& name, const HeldImpedance& held) {
+    list.push_back({name, device});
+    list.back().device.drive.damping.emplace_back(held);
+  };
+  add("held impedance", loop);
+  device = make_rc_display();
+  device.drive.amplifier = CurrentAmplifier{.bandwidth_hz = 400};
+  add("held impedance, rc", {.stiffness = 0.05, .damping = 1e-4, .bandwidth_hz = 2e3});
+  device.mechanics.transmission =
+      Transmission{.stiffness = 20, .damping = 1e-3, .load_inertia = 1e-5};
+  add("held impedance, rc, compliant", loop);
+  device.sensor = SensorLocation::motor;
+  add("held impedance, rc, compliant, sensor at the motor", loop);
+  return list;
+}
+
 /// Every kind of amplifier with every kind of damping, then every kind of mechanics and sensor
 /// place: the list over which physical identities are tested.
 ///
@@ -69,11 +132,22 @@ inline std::vector<NamedDevice> make_device_list() {
       {"47 uF", {RcDamping{.capacitance = 47e-6}}},
       {"30 ohm and 8 ohm 100 uF",
        {ResistorDamping{30}, RcDamping{.resistance = 8, .capacitance = 100e-6}}},
+      {"5 ohm 2200 uF, 1 ohm cancelled",
+       {RcDamping{.resistance = 5, .capacitance = 2200e-6},
+        ResistanceCancellation{.resistance = 1, .bandwidth_hz = 5e3}}},
+      {"back-EMF, wrong estimates",
+       {BackEmfDamping{.damping = 3e-4,
+                       .resistance_estimate = 1.3,
+                       .inductance_estimate = 0.4e-3,
+                       .low_pass_hz = 300,
+                       .high_pass_hz = {}}}},
   };
   std::vector<NamedDevice> list{{"P3", make_p3()}};
   for (const auto& [amplifier_name, amplifier] : amplifiers) {
     for (const auto& [damping_name, damping] : dampings) {
-      if (amplifier_name == "current, motor sensed" && !damping.empty()) continue;  // see below
+      const bool impulse = amplifier_name == "current, motor sensed" && !damping.empty() &&
+                           !std::holds_alternative<BackEmfDamping>(damping.front());
+      if (impulse) continue;  // see above
       Device device = make_rc_display();
       device.drive.amplifier = amplifier;
       device.drive.damping = damping;
@@ -87,6 +161,7 @@ inline std::vector<NamedDevice> make_device_list() {
   Device high_pass = make_p3();
   high_pass.drive.damping.push_back(HighPassDamper{.inertia = 0.02, .damping = 2});
   list.push_back({"high-pass damper", high_pass});
+  for (NamedDevice& named : make_fed_back_devices()) list.push_back(std::move(named));
 
   for (const SensorLocation sensor : {SensorLocation::port, SensorLocation::motor}) {
     Device compliant = make_rc_display();
