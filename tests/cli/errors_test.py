@@ -3,7 +3,7 @@ import json
 import os
 import unittest
 
-from program import MODEL_COMMANDS, RC_DISPLAY, ProgramTest, load_example, with_value, without
+from program import MODEL_COMMANDS, RC_DISPLAY, ROOT, ProgramTest, load_example, with_value, without
 
 # One frequency, one damping: the quickest form of each command.
 QUICK = {"impedance": ["--frequency", "1"], "zwidth": ["--damping", "0"],
@@ -368,6 +368,95 @@ def oscillating_device():
     model = with_value(load_example(), "/amplifier",
                        {"kind": "current", "sense": "motor", "bandwidth": "20 kHz"})
     return with_value(model, "/damping/0/resistance", 0)
+
+
+class DriveErrorTest(ModelErrorTest):
+    """What makes no sense together in a drive is refused at its place, with what would."""
+
+    CANCELLATION = {"kind": "resistance_cancellation", "fraction": 0.9}
+    HELD = {"kind": "held_impedance"}
+
+    def model(self, *damping, **changes):
+        model = json.loads((ROOT / "docs/drives/models/resistance_cancellation.json").read_text())
+        model.update({"damping": list(damping), **changes})
+        return {key: value for key, value in model.items() if value is not None}
+
+    def test_cancelling_more_than_the_loop_has_names_the_number_allowed(self):
+        model = self.model({"kind": "resistance_cancellation", "resistance": "2.1 ohm"})
+        self.assert_all_commands_refuse(model, "/damping/0: resistance_cancellation of 2.1 ohm",
+                                        "winding of 2.06 ohm", "port clamped", "must be below 2.06 ohm for a clamped",
+                                        "below 2.06027 ohm for a free port", "doubles every")
+        model["amplifier"]["output_resistance"] = "0.1 ohm"
+        self.assertEqual(self.run_program("impedance", self.write_model(model), "--frequency", "1").code, 0)
+
+    def test_a_winding_too_cold_for_the_cancellation_is_named_with_its_temperature(self):
+        model = with_value(self.model(self.CANCELLATION), "/motor/temperature_rise", "-30 K")
+        self.assert_all_commands_refuse(model, "/damping/0", "1.854 ohm", "1.81713 ohm", "-30 K")
+        model["motor"]["temperature_rise"] = "-25 K"
+        self.assertEqual(self.run_program("impedance", self.write_model(model), "--frequency", "1").code, 0)
+
+    def test_a_winding_colder_than_its_copper_allows_is_refused_at_the_temperature(self):
+        model = with_value(self.model(self.CANCELLATION), "/motor/temperature_rise", "-300 K")
+        self.assert_all_commands_refuse(model, "/motor/temperature_rise: -300 K", "above -254.453 K")
+
+    def test_a_second_of_a_kind_that_acts_on_the_whole_drive_is_refused(self):
+        current = {"kind": "current"}
+        for damping, amplifier in ((self.CANCELLATION, {"kind": "voltage"}), (self.HELD, current),
+                                   ({"kind": "back_emf", "damping": 1e-6}, current)):
+            self.assert_all_commands_refuse(self.model(damping, damping, amplifier=amplifier),
+                                            f"/damping/1: a second {damping['kind']}", "one at most")
+
+    def test_cancellation_where_the_current_is_imposed_or_none_flows_is_refused_with_the_way_out(self):
+        for kind, reason in (("current", "imposes the current"), ("ideal", "no current flows")):
+            model = self.model(self.CANCELLATION, amplifier={"kind": kind})
+            self.assert_all_commands_refuse(model, "/damping/0", reason, '{"kind": "voltage"}', "across the motor")
+            model["damping"].append({"kind": "rc", "resistance": 5, "capacitance": 1e-3})
+            answer = self.run_program("impedance", self.write_model(model), "--frequency", "1")
+            self.assertEqual(answer.code, 0, answer)
+
+    def test_a_fraction_and_a_resistance_or_neither_are_refused(self):
+        both = {"kind": "resistance_cancellation", "fraction": 0.9, "resistance": 1}
+        self.assert_all_commands_refuse(self.model(both), "/damping/0: resistance and fraction are given",
+                                        "exactly one")
+        self.assert_all_commands_refuse(self.model({"kind": "resistance_cancellation"}), "/damping/0: none is given",
+                                        "exactly one", "resistance, fraction")
+
+    def test_a_held_impedance_without_a_wall_or_with_a_one_sided_one_is_refused(self):
+        current = {"kind": "current"}
+        self.assert_all_commands_refuse(self.model(self.HELD, amplifier=current, controller={"kind": "none"}),
+                                        "/damping", "held_impedance", "virtual_wall")
+        wall = {"kind": "virtual_wall", "stiffness": 0.01, "unilateral": True}
+        self.assert_all_commands_refuse(self.model(self.HELD, amplifier=current, controller=wall),
+                                        "/controller/unilateral: true", "held_impedance", "linear")
+
+    def test_a_circuit_without_a_motor_is_refused_and_a_damper_at_the_port_is_not(self):
+        ideal = {"kind": "ideal"}
+        for damping in ({"kind": "resistor", "resistance": 1}, {"kind": "rc", "resistance": 1, "capacitance": 1e-3},
+                        self.CANCELLATION, {"kind": "back_emf", "damping": 1e-6}):
+            self.assert_all_commands_refuse(self.model(damping, motor=None, amplifier=ideal), "/damping/0", '"motor"')
+        for damping in ({"kind": "eddy_current_brake", "damping": 1e-5}, self.HELD,
+                        {"kind": "torque_sensed_damper", "damping": 1e-5, "cutoff": "5 Hz"},
+                        {"kind": "high_pass_damper", "damping": 1e-5, "inertia": 1e-6}):
+            name = self.write_model(self.model(damping, motor=None, amplifier=ideal))
+            for command in MODEL_COMMANDS:
+                answer = self.run_program(command, name, *QUICK[command])
+                with self.subTest(command=command, damping=damping["kind"]):
+                    self.assertIn(answer.code, (0, 1), answer)
+
+    def test_feedback_that_takes_all_of_a_steady_command_is_refused_with_its_share(self):
+        # d (R_m - R)/K_t^2 = 6e-4 * 0.96/23.5e-3^2
+        feedback = {"kind": "back_emf", "damping": 6e-4, "resistance_estimate": "1.1 ohm"}
+        self.assert_all_commands_refuse(self.model(feedback, amplifier={"kind": "current"}), "/damping: ",
+                                        "takes 1.043 of every steady effort", "below 1", "estimate")
+
+    def test_values_that_cannot_be_are_refused_with_the_bound(self):
+        for damping, key, bound in (({"kind": "back_emf", "damping": -1e-6}, "damping", "at least 0 N.m.s/rad"),
+                                    ({"kind": "eddy_current_brake", "damping": 0}, "damping", "above 0 N.m.s/rad"),
+                                    ({"kind": "torque_sensed_damper", "damping": 1e-6, "cutoff": 0}, "cutoff",
+                                     "above 0 Hz"),
+                                    ({"kind": "held_impedance", "bandwidth": "-1 Hz"}, "bandwidth", "above 0 Hz")):
+            self.assert_all_commands_refuse(self.model(damping, amplifier={"kind": "current"}), f"/damping/0/{key}",
+                                            bound)
 
 
 class NumericalFailureTest(ProgramTest):

@@ -82,7 +82,7 @@ TEST(EnergyLedger, closes_around_an_analog_loop_that_works_without_a_command) {
         options.engine = engine;
         const TimeRun run = simulate(build_plant(build_device_network(device, held_by)), {},
                                      NoController{}, one_ms, options);
-        EXPECT_EQ(run.trace.column("position").front(), 0.02) << name;
+        EXPECT_DOUBLE_EQ(run.trace.column("position").front(), 0.02) << name;
         EXPECT_GT(std::abs(run.energy.source), 1e-8) << name;
         EXPECT_NEAR(run.energy.residual, 0, tolerance * find_largest_flow(run)) << name;
       }

@@ -134,7 +134,7 @@ void check_drive(const Drive& drive) {
   check_at_most_one<HeldImpedance>(drive, "held_impedance");
   for (std::size_t i = 0; i < drive.damping.size(); ++i) {
     if (!drive.motor && needs_motor(drive.damping[i]))
-      refuse(i, "a damping circuit needs a motor: add the key \"motor\"");
+      refuse(i, "a damping circuit needs a motor to act on: add the key \"motor\"");
     if (std::holds_alternative<ResistanceCancellation>(drive.damping[i]))
       check_cancellation(drive, i);
   }

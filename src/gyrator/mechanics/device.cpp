@@ -90,6 +90,14 @@ double find_gain(const Device& device) {
   if (!std::isfinite(once) || std::abs(once) < 1e-12) return 0;
   const double alpha = 2 * (1 / once - 1 / twice);
   const double beta = 1 / once - alpha;
+  if (beta >= 1 - 1e-9) {
+    throw Error(ErrorCode::bad_input, "damping",
+                fmt::format("the feedback takes {:.4g} of every steady effort, whatever the "
+                            "amplifier's gain: it must be below 1 for the command to reach the "
+                            "shaft; back_emf takes d (R_m - resistance_estimate)/K_t^2: bring the "
+                            "estimate closer to the winding, or lower the damping",
+                            beta));
+  }
   if (std::abs(beta) < 1e-12 * std::abs(alpha)) return 1 / once;
   return alpha / (1 - beta);
 }

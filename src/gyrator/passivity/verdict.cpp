@@ -75,7 +75,8 @@ class Judge {
     v.least_damping = least.value;
     v.least_damping_frequency_hz = least.omega / (2 * pi);
     v.device_passive = !least.active;
-    if (least.active && least.value < exact.margin) {
+    // The margin of an active device has no number where the disk is all of the plane.
+    if (least.active && !(std::isfinite(exact.margin) && exact.margin <= least.value)) {
       exact.margin = least.value;
       exact.worst_frequency_hz = v.least_damping_frequency_hz;
     }

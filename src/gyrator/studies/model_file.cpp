@@ -1,6 +1,7 @@
 #include "gyrator/studies/model_file.hpp"
 
 #include "gyrator/core/error.hpp"
+#include "gyrator/core/quantity.hpp"
 #include "gyrator/documents/document_reader.hpp"
 #include "gyrator/documents/json_text.hpp"
 #include "gyrator/passivity/held_limit.hpp"
@@ -9,6 +10,8 @@
 
 #include <filesystem>
 #include <utility>
+
+#include <fmt/core.h>
 
 namespace gyrator {
 namespace {
@@ -154,9 +157,14 @@ void check_together(const Model& model, const json& source, const std::string& f
         "missing: " + kind +
             " needs a motor to drive: add \"motor\", or use \"amplifier\": {\"kind\": \"ideal\"}");
   }
-  if (!model.device.drive.motor && !model.device.drive.damping.empty()) {
-    throw Error(ErrorCode::bad_input, file + ": /motor",
-                "missing: the circuits in \"damping\" hang across a motor: add \"motor\"");
+  if (const auto& motor = model.device.drive.motor; motor && !(motor->warm_resistance() > 0)) {
+    throw Error(
+        ErrorCode::bad_input, file + ": /motor/temperature_rise",
+        fmt::format("{}: the winding would have {}; with its temperature_coefficient it must be "
+                    "above {}",
+                    format_quantity(motor->temperature_rise, dimension::temperature),
+                    format_quantity(motor->warm_resistance(), dimension::resistance),
+                    format_quantity(-1 / motor->temperature_coefficient, dimension::temperature)));
   }
   try {
     build_device_network(model.device, FreeOperator{});

@@ -195,6 +195,53 @@ TEST(Drive, finite_loop_around_the_motor_current_removes_the_damping_within_its_
   EXPECT_NEAR(damping(motor[1]) / damping(total[1]), 1, 0.05);
 }
 
+TEST(Drive, a_current_loop_inside_the_rc_node_kills_the_damping_outside_it_delays_the_command) {
+  // Inside (motor sensed) over outside (total sensed), one branch and one bandwidth w_b:
+  //   Z_in/Z_out = s/(s + w_b Z_b/(Z_b + Z_w)),  A_in/A_out = (s + w_b)/(s + w_b A_0),
+  // A_0 = Z_b/(Z_b + Z_w). Inside, damping is s/w_b of itself within the loop's bandwidth and the
+  // command arrives; outside, damping is whole and the command lags by R_m C and 1/w_b.
+  constexpr double hz = 500, w_b = 2 * pi * hz;
+  Device outside = make_rc_display();
+  outside.drive.amplifier = CurrentAmplifier{.bandwidth_hz = hz};
+  Device inside = outside;
+  inside.drive.amplifier = CurrentAmplifier{.bandwidth_hz = hz, .sense = CurrentSense::motor};
+  const auto out = compute_port_response(outside, sweep());
+  const auto in = compute_port_response(inside, sweep());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const Complex s(0, out[i].omega);
+    const Complex rigid = J * s + b;
+    const Complex A_0 = branch(s, R_1) / (branch(s, R_1) + winding(s));
+    const Complex share = s / (s + w_b * A_0);
+    const double known_to =
+        tolerance + 1e-13 * std::abs(rigid) / std::abs(out[i].impedance - rigid);
+    EXPECT_LE(std::abs((in[i].impedance - rigid) / (out[i].impedance - rigid) - share),
+              known_to * 2)
+        << out[i].omega;
+    EXPECT_LE(std::abs(in[i].actuation / out[i].actuation * (s + w_b * A_0) / (s + w_b) - 1.0),
+              2 * tolerance)
+        << out[i].omega;
+  }
+
+  // In numbers: damping at 50 and 10 Hz, a tenth and a 50th of the bandwidth, and the command's lag
+  // at low frequency.
+  const auto at = [](const Device& device, double f) {
+    return compute_port_response(device, {f}).front();
+  };
+  const auto damping = [&](const Device& device, double f) {
+    return at(device, f).impedance.real() - b;
+  };
+  EXPECT_NEAR(damping(outside, 50) / (K_t * K_t / (R_1 + R_m)), 0.962, 0.001);
+  EXPECT_LT(damping(inside, 50) / damping(outside, 50), 0.04);
+  EXPECT_LT(damping(inside, 10) / damping(outside, 10), 0.01);
+  EXPECT_NEAR(damping(inside, 20 * hz) / damping(outside, 20 * hz), 1, 0.1);
+  const auto lag = [&](const Device& device) {
+    const PortResponse r = at(device, 0.1);
+    return -std::arg(r.actuation) / r.omega;
+  };
+  EXPECT_NEAR(lag(outside) / (R_m * C + 1 / w_b), 1, 1e-3);  // 3.6 ms
+  EXPECT_NEAR(lag(inside) / (1 / w_b), 1, 1e-3);             // 0.3 ms
+}
+
 TEST(Drive, a_circuit_without_a_motor_is_refused) {
   const auto place = [](const Drive& drive) {
     Device device = make_rc_display();
