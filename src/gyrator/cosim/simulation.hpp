@@ -28,7 +28,7 @@ struct SimulationOptions {
   EngineOptions engine_options;
   std::optional<Rational>
       trace_step;         ///< also record in between, every so many seconds, and at hold edges
-  bool record = true;     ///< keep the trace's columns
+  bool record = true;     ///< keep the trace's columns; a run without them is not classified
   long record_every = 1;  ///< samples per row, for long runs
   ClassificationOptions classification;
   std::function<void(long)>

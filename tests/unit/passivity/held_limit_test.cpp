@@ -170,7 +170,6 @@ TEST(HeldLimit, has_a_passive_device_below_and_a_lossless_hand_that_breaks_it_ab
       EXPECT_LT(cycles, 1e5) << loop.name;
       options.duration = period * Rational(std::llround(20 * cycles));
       options.initial_velocity = 1;
-      options.record = false;
       options.engine_options.ledger = false;
       return simulate(build_plant(build_device_network(device, held_by)), {}, NoController{},
                       {period, 0}, options)

@@ -3,6 +3,7 @@
 #include "gyrator/core/error.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -93,6 +94,31 @@ TEST(Verdict, names_the_frequency_at_which_an_active_device_supplies_energy) {
   EXPECT_NEAR(compute_port_response(make_active_device(), {verdict.least_damping_frequency_hz})[0]
                   .impedance.real(),
               verdict.least_damping, 1e-9 * std::abs(lowest));
+}
+
+TEST(Verdict, gives_an_active_device_the_margin_that_it_lacks_with_a_wall_as_well) {
+  // Two lags turn back-EMF feedback round: of d, 1/(sqrt(r) (2 + sqrt(r))) at most, r the square of
+  // the lags' sum over their product.
+  constexpr double amplifier_hz = 20e3, low_pass_hz = 1e3, b = 1e-4;
+  const double root = (amplifier_hz + low_pass_hz) / std::sqrt(amplifier_hz * low_pass_hz);
+  for (const double share : {0.98, 1.02}) {
+    const double d = share * b * root * (2 + root);
+    Device device = make_rc_motor().device;
+    device.mechanics.damping = b;
+    device.drive.amplifier = CurrentAmplifier{amplifier_hz};
+    device.drive.damping = {BackEmfDamping{d, 1.5, 0.5e-3, low_pass_hz, {}}};
+    const Verdict verdict =
+        judge_passivity({device, VirtualWall{1e-3, 0}, {Rational(1, 1000), 0}, 0}, false);
+    EXPECT_EQ(verdict.device_passive, share < 1);
+    if (share < 1) continue;
+    const auto exact = std::find_if(verdict.criteria.begin(), verdict.criteria.end(),
+                                    [](const auto& c) { return c.name == "exact_disk"; });
+    EXPECT_NEAR(exact->margin / (-0.02 * b), 1, 0.05);  // the grid's aliases come close to its dip
+    EXPECT_EQ(exact->margin, verdict.least_damping);
+    // u = x p - 1 = sqrt(r) at the dip: x = (1 + root) w_a w_l.
+    const double dip_hz = std::sqrt((1 + root) * amplifier_hz * low_pass_hz);
+    EXPECT_NEAR(*exact->worst_frequency_hz / dip_hz, 1, 0.1);
+  }
 }
 
 TEST(Verdict, takes_a_device_for_passive_once_a_damper_outweighs_what_it_supplies) {
