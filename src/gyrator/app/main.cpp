@@ -38,6 +38,7 @@ int run(int argc, char** argv) {
   gyrator::app::add_simulate_command(app, exit_code);
   gyrator::app::add_spice_command(app, exit_code);
   gyrator::app::add_report_command(app, exit_code);
+  gyrator::app::add_schematic_command(app, exit_code);
   gyrator::app::add_schema_command(app, exit_code);
   try {
     app.parse(argc, argv);

@@ -7,6 +7,7 @@
 #include "gyrator/studies/report_sections.hpp"
 #include "gyrator/studies/result_fields.hpp"
 #include "gyrator/studies/result_figures.hpp"
+#include "gyrator/studies/schematic.hpp"
 
 #include <algorithm>
 #include <set>
@@ -74,6 +75,32 @@ std::string finding_html(const std::vector<json>& results, const std::vector<std
   return {};
 }
 
+/// A result's model as a schematic; none where this program reads the model no longer (a result of
+/// another version, a file beside it that is gone).
+std::string device_html(const json& model, const std::string& name) {
+  try {
+    return html_figure(draw_schematic(parse_model(model, name)).svg,
+                       "The device: amplifier, circuits across the motor, motor, mechanics and "
+                       "operator from left to right; below, the computer that closes the loop.");
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::bad_input) throw;
+    return {};
+  }
+}
+
+/// Every model of the results, each drawn once.
+std::string devices_html(const std::vector<json>& results, const std::vector<std::string>& names) {
+  std::string html;
+  std::vector<json> drawn;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const json model = results[i].value("model", json());
+    if (model.is_null() || std::find(drawn.begin(), drawn.end(), model) != drawn.end()) continue;
+    drawn.push_back(model);
+    html += device_html(model, names[i]);
+  }
+  return html;
+}
+
 std::string summary_html(const std::vector<json>& results, const std::vector<std::string>& names) {
   std::string html;
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -82,7 +109,7 @@ std::string summary_html(const std::vector<json>& results, const std::vector<std
     html += fmt::format("<p class=\"verdict{}\">{}</p>\n", is_bad_news(results[i]) ? " bad" : "",
                         html_escape(sentence));
   }
-  return html + finding_html(results, names);
+  return html + devices_html(results, names) + finding_html(results, names);
 }
 
 std::string section_html(const json& result, std::size_t index) {
