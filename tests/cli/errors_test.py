@@ -212,13 +212,13 @@ class FileTest(ModelErrorTest):
 
     def test_a_missing_file_is_refused_with_the_nearest_name(self):
         self.write_model(load_example(), "device.json")
-        for command in MODEL_COMMANDS + ("report",):
+        for command in MODEL_COMMANDS + ("report", "schematic"):
             with self.subTest(command=command):
                 self.assert_refused(self.run_program(command, "devcie.json"), "gyrator: devcie.json: ",
                                     "no such file", "did you mean 'device.json'?")
 
     def test_a_folder_in_place_of_a_file_is_refused(self):
-        for command in MODEL_COMMANDS + ("report",):
+        for command in MODEL_COMMANDS + ("report", "schematic"):
             with self.subTest(command=command):
                 self.assert_refused(self.run_program(command, "."), "is a folder")
 
@@ -349,7 +349,7 @@ class OptionTest(ProgramTest):
         self.refuse(["simulate", RC_DISPLAY, "--tolerance", "1"], "--tolerance", "0.01")
 
     def test_help_is_there_for_everything_with_an_example(self):
-        for command in MODEL_COMMANDS + ("report", "schema"):
+        for command in MODEL_COMMANDS + ("report", "schematic", "schema"):
             answer = self.run_program(command, "--help")
             with self.subTest(command=command):
                 self.assertEqual((answer.code, answer.err), (0, ""), answer)
