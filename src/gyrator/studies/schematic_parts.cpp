@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -53,6 +54,8 @@ struct Terms {
 
 // ---- Damping: one function per kind; without one, std::visit does not compile. ----------------
 
+constexpr double widest_file = 160;  // pixels; a longer name is cut
+
 struct DampingParts {
   Diagram& diagram;
   const Terms& terms;
@@ -73,6 +76,16 @@ struct DampingParts {
                       "C" + index,
                       {print_quantity(d.capacitance, dimension::capacitance)}});
     diagram.across.push_back(branch);
+  }
+
+  void operator()(const NetlistDamping& d) const {
+    const std::string place = d.circuit.place.substr(0, d.circuit.place.rfind(':'));
+    const std::string file = std::filesystem::path(place).filename().string();
+    diagram.across.push_back(
+        {{Symbol::box,
+          "SPICE subcircuit across the motor",
+          "",
+          {fit_text(file, widest_file), fit_text(d.circuit.name, widest_file)}}});
   }
 
   void operator()(const ResistanceCancellation& d) const {

@@ -32,6 +32,9 @@ const std::vector<Damping>& every_damping() {
       TorqueSensedDamper{.damping = 1e-3, .cutoff_hz = 123.456},
       EddyCurrentBrake{.damping = 1e-3, .on = false},
       HighPassDamper{.inertia = 1.23456e-7, .damping = 1.23456e-3},
+      NetlistDamping{parse_subcircuit("* r\n.subckt a_subcircuit_with_a_long_name 1 2\nR1 1 2 5\n"
+                                      ".ends\n",
+                                      "a folder/a file with a very long name.cir", "")},
   };
   return list;
 }
