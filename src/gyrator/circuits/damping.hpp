@@ -40,6 +40,16 @@ struct ResistanceCancellation {
   std::optional<double> bandwidth_hz;  ///< -3 dB frequency of the feedback; none: ideal
 };
 
+/// A wave-variable drive: so much resistance between a voltage amplifier's output and the motor
+/// that the whole source resistance R_w presents the wave impedance to the shaft,
+///   b_w = K_t^2 / R_w     [N.m.s/rad, N.s/m]; at most one                          (wave-1)
+/// The source U = V + R_w i is the wave that comes in, W = V - R_w i = 2 V - U the one that goes
+/// out; the power into the motor is V i = (U^2 - W^2)/(4 R_w). Diolaiti and Niemeyer 2006,
+/// fig. 8.27.
+struct WaveDamping {
+  double impedance = 0;  ///< b_w
+};
+
 // Feedback to the command.
 
 /// Active electrical damping: the back-EMF is estimated at the motor's terminals,
@@ -91,6 +101,6 @@ struct HighPassDamper {
 /// The closed list.
 using Damping =
     std::variant<ResistorDamping, RcDamping, NetlistDamping, ResistanceCancellation, BackEmfDamping,
-                 HeldImpedance, TorqueSensedDamper, EddyCurrentBrake, HighPassDamper>;
+                 HeldImpedance, TorqueSensedDamper, EddyCurrentBrake, HighPassDamper, WaveDamping>;
 
 }  // namespace gyrator

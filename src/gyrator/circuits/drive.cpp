@@ -4,6 +4,8 @@
 #include "gyrator/core/error.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -63,18 +65,47 @@ void add_current_amplifier(DriveParts& parts, const CurrentAmplifier& amplifier,
   network.add("amplifier", ground, terminal, VoltageControlledCurrentSource{1.0, current, ground});
 }
 
-void add_voltage_amplifier(DriveParts& parts, const VoltageAmplifier& amplifier, double gain) {
+// Resistance that makes the source's that of the drive's waves, and the damping's number.
+struct WaveResistor {
+  std::size_t damping = 0;
+  double resistance = 0;
+};
+
+std::optional<WaveResistor> find_wave_resistor(const Drive& drive,
+                                               const VoltageAmplifier& amplifier) {
+  for (std::size_t i = 0; i < drive.damping.size(); ++i) {
+    const auto* wave = std::get_if<WaveDamping>(&drive.damping[i]);
+    if (!wave) continue;
+    const double K_t = drive.motor->torque_constant;
+    const double missing = K_t * K_t / wave->impedance - amplifier.output_resistance;
+    // The amplifier's own resistance may be all of it, but for rounding.
+    return WaveResistor{i, std::abs(missing) < 1e-12 * amplifier.output_resistance ? 0 : missing};
+  }
+  return std::nullopt;
+}
+
+void add_voltage_amplifier(DriveParts& parts, const Drive& drive, const VoltageAmplifier& amplifier,
+                           double gain) {
   Network& network = parts.network;
   const NodeId wanted = amplifier.bandwidth_hz ? add_lag(network, "amplifier.loop", parts.command,
                                                          *amplifier.bandwidth_hz)
                                                : parts.command;
   NodeId output = *parts.taps.terminal;
-  if (amplifier.output_resistance > 0) {
-    output = network.add_node("amplifier.output", Domain::electrical);
-    network.add("amplifier.output_resistance", output, *parts.taps.terminal,
-                Resistor{amplifier.output_resistance});
-  }
+  const auto add_behind = [&](const char* node, const std::string& name, double resistance) {
+    if (!(resistance > 0)) return;
+    const NodeId behind = network.add_node(node, Domain::electrical);
+    network.add(name, behind, output, Resistor{resistance});
+    output = behind;
+  };
+  const auto wave = find_wave_resistor(drive, amplifier);
+  if (wave)
+    add_behind("amplifier.terminal", name_of_damping(wave->damping) + ".resistance",
+               wave->resistance);
+  add_behind("amplifier.output", "amplifier.output_resistance", amplifier.output_resistance);
   network.add("amplifier", output, ground, VoltageControlledVoltageSource{gain, wanted, ground});
+  if (!wave) return;
+  parts.taps.source = output;
+  parts.taps.volts_per_command = gain;
 }
 
 // An ideal loop around the winding's current delivers on top whatever a branch across the motor
@@ -92,7 +123,8 @@ bool is_across(const Damping& damping) {
 
 bool needs_motor(const Damping& damping) {
   return is_across(damping) || std::holds_alternative<ResistanceCancellation>(damping) ||
-         std::holds_alternative<BackEmfDamping>(damping);
+         std::holds_alternative<BackEmfDamping>(damping) ||
+         std::holds_alternative<WaveDamping>(damping);
 }
 
 [[noreturn]] void refuse(std::size_t damping, const std::string& reason) {
@@ -122,6 +154,27 @@ void check_cancellation(const Drive& drive, std::size_t i) {
                   "\"amplifier\": {\"kind\": \"voltage\"}, or put a circuit across the motor");
 }
 
+void check_wave(const Drive& drive, std::size_t i) {
+  const auto* amplifier = std::get_if<VoltageAmplifier>(&drive.amplifier);
+  if (!amplifier) {
+    refuse(i,
+           "a wave drive is a voltage behind a resistance; a source of current or effort has none, "
+           "and no wave leaves the motor: use \"amplifier\": {\"kind\": \"voltage\"}");
+  }
+  const double impedance = std::get<WaveDamping>(drive.damping[i]).impedance;
+  const double K_t = drive.motor->torque_constant;
+  const double most = amplifier->output_resistance > 0 ? K_t * K_t / amplifier->output_resistance
+                                                       : std::numeric_limits<double>::infinity();
+  if (impedance > 0 && impedance <= most * (1 + 1e-12)) return;
+  throw Error(ErrorCode::bad_input, fmt::format("damping/{}/impedance", i),
+              fmt::format("{:g}: must be above 0{}", impedance,
+                          std::isinf(most)
+                              ? ""
+                              : fmt::format(" and at most {:g}, K_t^2 over the amplifier's output "
+                                            "resistance of {:g} ohm",
+                                            most, amplifier->output_resistance)));
+}
+
 }  // namespace
 
 void check_drive(const Drive& drive) {
@@ -132,11 +185,13 @@ void check_drive(const Drive& drive) {
   check_at_most_one<ResistanceCancellation>(drive, "resistance_cancellation");
   check_at_most_one<BackEmfDamping>(drive, "back_emf");
   check_at_most_one<HeldImpedance>(drive, "held_impedance");
+  check_at_most_one<WaveDamping>(drive, "wave");
   for (std::size_t i = 0; i < drive.damping.size(); ++i) {
     if (!drive.motor && needs_motor(drive.damping[i]))
       refuse(i, "a damping circuit needs a motor to act on: add the key \"motor\"");
     if (std::holds_alternative<ResistanceCancellation>(drive.damping[i]))
       check_cancellation(drive, i);
+    if (std::holds_alternative<WaveDamping>(drive.damping[i])) check_wave(drive, i);
   }
 }
 
@@ -158,7 +213,7 @@ DriveTaps add_drive(Network& network, const Drive& drive, const DriveNodes& node
   if (const auto* current = std::get_if<CurrentAmplifier>(&drive.amplifier)) {
     add_current_amplifier(parts, *current, gain);
   } else if (const auto* voltage = std::get_if<VoltageAmplifier>(&drive.amplifier)) {
-    add_voltage_amplifier(parts, *voltage, gain);
+    add_voltage_amplifier(parts, drive, *voltage, gain);
   } else {
     // An effort source at the shaft, beside a motor whose terminals carry only the circuits.
     network.add("amplifier", ground, nodes.shaft,

@@ -70,6 +70,8 @@ struct DriveTaps {
   std::optional<ElementId> motor_ammeter;  ///< current into the winding, or none without a motor
   std::optional<NodeId> terminal;          ///< terminal against ground, where circuits hang
   std::vector<NodeId> positions;           ///< signal nodes that hold the sensed position
+  std::optional<NodeId> source;            ///< U of a wave drive, behind all its resistance
+  double volts_per_command = 0;            ///< of a wave drive's source; 0 for any other
 };
 
 /// Adds motor, amplifier and damping to the network. `gain` is the amplifier's output per unit of

@@ -51,7 +51,7 @@ class Run {
         options_(options),
         delay_(split_delay(sampling)),
         engine_(make_engine(options.engine, plant, options.engine_options)),
-        controller_(controller, sampling.period.to_double()),
+        controller_(controller, sampling.period.to_double(), options.initial_position),
         line_(checked_delay(delay_.whole)),
         u_(0, options.external_effort),
         steps_(floor_divide(options.duration, sampling.period)) {
@@ -159,7 +159,9 @@ class Run {
     auto& names = run_.trace.names;
     names = {"time_s", "position", "velocity", "effort", "command"};
     for (const auto& signal : plant_.others) names.push_back(signal.name);
-    names.insert(names.end(), {"measured_position", "held_command", "held_command_after"});
+    const bool wave = plant_.sensor_position.name == wave_integral_name;
+    names.insert(names.end(), {wave ? "measured_wave_integral" : "measured_position",
+                               "held_command", "held_command_after"});
     for (const auto& signal : plant_.others) {
       if (signal.input(0) != 0) names.push_back(signal.name + "_after");
     }

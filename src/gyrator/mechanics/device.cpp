@@ -64,9 +64,15 @@ DeviceNetwork build_device_network(const Device& device, const Operator& held_by
     }
     network.add("mechanics.transmission.load_inertia", d.port, ground, Capacitor{t.load_inertia});
   }
-  d.sensed = device.sensor == SensorLocation::motor ? d.motor_shaft : d.port;
-  d.collocated = d.sensed == d.port;
-  d.drive = add_drive(network, device.drive, {command, d.motor_shaft, d.port, d.sensed}, gain);
+  d.sensor = device.sensor;
+  const NodeId sensed = d.sensor == SensorLocation::motor ? d.motor_shaft : d.port;
+  d.collocated = d.sensor != SensorLocation::outgoing_wave && sensed == d.port;
+  d.drive = add_drive(network, device.drive, {command, d.motor_shaft, d.port, sensed}, gain);
+  if (d.sensor == SensorLocation::outgoing_wave && !d.drive.source) {
+    throw Error(ErrorCode::bad_input, "damping",
+                "no wave leaves this drive: add {\"kind\": \"wave\", \"impedance\": …}, a voltage "
+                "amplifier behind a known resistance");
+  }
   add_operator(d, held_by);
   return d;
 }
@@ -117,6 +123,22 @@ double find_amplifier_gain(const Device& device) {
   throw Error(ErrorCode::bad_input, "amplifier",
               "no steady effort reaches the shaft: the command cannot be scaled to the blocked "
               "effort at DC; a damping circuit shorts the motor or a capacitor blocks it");
+}
+
+LinearForm find_sensed_rate(const DeviceNetwork& device, const NetworkEquations& equations) {
+  switch (device.sensor) {
+    case SensorLocation::port:
+      return equations.across(device.port);
+    case SensorLocation::motor:
+      return equations.across(device.motor_shaft);
+    case SensorLocation::outgoing_wave:
+      break;
+  }
+  LinearForm wave = equations.across(*device.drive.terminal);
+  const LinearForm source = equations.across(*device.drive.source);
+  wave.x = 2 * wave.x - source.x;
+  wave.u = 2 * wave.u - source.u;
+  return wave;
 }
 
 DeviceNetwork build_device_network(const Device& device, const Operator& held_by) {

@@ -26,9 +26,11 @@ struct Mechanics {
   std::optional<Transmission> transmission;
 };
 
-enum class SensorLocation { port, motor };
+/// What the controller samples: the integral of the port's velocity, of the motor's, or of the wave
+/// that leaves a wave drive, W = V - R_w i [V].
+enum class SensorLocation { port, motor, outgoing_wave };
 
-/// Everything continuous: drive, mechanics and where the position is sensed.
+/// Everything continuous: drive, mechanics and what is sensed.
 struct Device {
   Motion motion = Motion::rotary;
   Drive drive;
@@ -64,9 +66,9 @@ struct DeviceNetwork {
   Network network;
   int command = 0;
   int external_effort = 1;
-  NodeId port;                 ///< mechanical node that the operator holds
-  NodeId motor_shaft;          ///< differs from port behind a compliant transmission
-  NodeId sensed;               ///< port or motor_shaft
+  NodeId port;         ///< mechanical node that the operator holds
+  NodeId motor_shaft;  ///< differs from port behind a compliant transmission
+  SensorLocation sensor = SensorLocation::port;
   ElementId operator_ammeter;  ///< effort from the operator into the device
   DriveTaps drive;
   double gain = 1;         ///< of the amplifier, per unit of command [A/N.m, V/N.m, 1 …]
@@ -74,7 +76,8 @@ struct DeviceNetwork {
 };
 
 /// Builds the network. The command is scaled so that at DC, and with the winding at the reference
-/// temperature, the blocked effort equals it; throws bad_input where the drive passes no DC at all.
+/// temperature, the blocked effort equals it; throws bad_input where the drive passes no DC at all,
+/// and where a wave is to be sensed without a drive that has one.
 DeviceNetwork build_device_network(const Device& device, const Operator& held_by);
 
 /// The same with the amplifier's gain as it is, whatever effort comes of it.
@@ -82,5 +85,9 @@ DeviceNetwork build_device_network(const Device& device, const Operator& held_by
 
 /// The gain that build_device_network scales the command by.
 double find_amplifier_gain(const Device& device);
+
+/// The rate of what the controller samples: port or motor velocity [m/s, rad/s], or the outgoing
+/// wave W = 2 V - U [V]. `equations` are those of the device's own network.
+LinearForm find_sensed_rate(const DeviceNetwork& device, const NetworkEquations& equations);
 
 }  // namespace gyrator

@@ -127,7 +127,7 @@ Plant build_plant(const DeviceNetwork& device) {
     return as_signal(std::move(name), reduced);
   };
   plant.port_velocity = read("velocity", equations.across(device.port));
-  Signal sensor_velocity = read("sensor_velocity", equations.across(device.sensed));
+  Signal sensor_velocity = read("sensor_velocity", find_sensed_rate(device, equations));
   plant.port_effort = read("effort", equations.through(device.operator_ammeter));
   const auto read_if_finite = [&](std::string name, const LinearForm& form) {
     const ReducedForm reduced = reduction.reduce(form);
@@ -147,16 +147,27 @@ Plant build_plant(const DeviceNetwork& device) {
   }
   const VectorXd at_velocity = reduction.initialize * moving;
 
-  plant.sensor_position =
-      append_position(plant, "sensor_position", sensor_velocity,
-                      {&plant.port_velocity, &plant.port_effort, &sensor_velocity});
+  // The network may hold the second of the two in terms of the first. A position is at its best as
+  // a state or a spring of its own, so that the wave's integral comes after it.
+  const bool wave = device.sensor == SensorLocation::outgoing_wave;
+  if (!wave) {
+    plant.sensor_position =
+        append_position(plant, "sensor_position", sensor_velocity,
+                        {&plant.port_velocity, &plant.port_effort, &sensor_velocity});
+  }
   if (device.collocated) {
     plant.port_position = plant.sensor_position;
     plant.port_position.name = "position";
   } else {
-    plant.port_position =
-        append_position(plant, "position", plant.port_velocity,
-                        {&plant.port_velocity, &plant.port_effort, &plant.sensor_position});
+    std::vector<Signal*> others{&plant.port_velocity, &plant.port_effort, &sensor_velocity};
+    if (!wave) others.push_back(&plant.sensor_position);
+    plant.port_position = append_position(plant, "position", plant.port_velocity, others);
+  }
+  const Index before_wave = plant.A.rows();
+  if (wave) {
+    plant.sensor_position = append_position(
+        plant, wave_integral_name, sensor_velocity,
+        {&plant.port_velocity, &plant.port_effort, &plant.port_position, &sensor_velocity});
   }
 
   // A rigid displacement deflects the springs to ground and moves every position, those appended
@@ -166,7 +177,8 @@ Plant build_plant(const DeviceNetwork& device) {
   plant.rest.col(0).setOnes();
   plant.rest.col(0).head(at_velocity.size()) =
       reduction.initialize * displace(device, equations, moving);
-  plant.rest.col(0) /= plant.sensor_position.state.dot(plant.rest.col(0));
+  plant.rest.col(0) /= plant.port_position.state.dot(plant.rest.col(0));
+  if (wave && plant.A.rows() > before_wave) plant.rest(before_wave, 0) = 0;
   return plant;
 }
 

@@ -24,9 +24,11 @@ struct Signal {
 ///
 ///   dξ/dt = A ξ + B u,   ξ = [reduced network state; positions],  u = [command; external effort]
 ///
-/// Positions are integrals of velocities. One that the network holds already (the deflection of
-/// the operator's spring) is read from it instead of being integrated a second time, so that the
-/// loop has no spurious eigenvalue at one.
+/// Positions are integrals of velocities; `sensor_position` is what the controller samples: a
+/// position [m, rad], or for a wave drive the integral of the outgoing wave [V.s], zero at the
+/// start. One that the network holds already (the deflection of the operator's spring) is read from
+/// it instead of being integrated a second time, so that the loop has no spurious eigenvalue at
+/// one.
 struct Plant {
   Eigen::MatrixXd A, B;
   Signal port_position, port_velocity, sensor_position, port_effort;
@@ -40,6 +42,9 @@ struct Plant {
     return rest * Eigen::Vector2d(position, velocity);
   }
 };
+
+/// Name of `sensor_position` where it is no position.
+inline constexpr const char* wave_integral_name = "wave_integral";
 
 /// Throws numerical (naming elements) for a singular network, and where the sensed position
 /// would jump with the command.

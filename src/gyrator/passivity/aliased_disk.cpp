@@ -1,7 +1,5 @@
 #include "gyrator/passivity/aliased_disk.hpp"
 
-#include "gyrator/cosim/sampled_plant.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -52,13 +50,27 @@ double find_fastest_resonance(const Eigen::VectorXcd& poles) {
 
 AliasedDisk::AliasedDisk(const Device& device, const Sampling& sampling)
     : model_(device), period_(sampling.period.to_double()), delay_(sampling.delay.to_double()) {
-  whole_delay_ = split_delay(sampling).rest == 0;
+  split_ = split_delay(sampling);
+  whole_delay_ = split_.rest == 0;
   const double sampling_frequency = 2 * std::numbers::pi / period_;
   const double beyond_resonance = 2 * find_fastest_resonance(model_.poles()) / sampling_frequency;
   aliases_ = std::clamp(static_cast<int>(std::min(beyond_resonance, 1e6)) + 1,
                         whole_delay_ ? fewest_aliases : fewest_aliases_oscillating, most_aliases);
   least_.value = infinity;
   prepare_tail();
+}
+
+// Sum of k_n over all aliases but the base one, times what M tends to: that part of the series is a
+// held input integrated over the period, whatever the delay,
+//   sum_n k_n = z^-m (T - rest + rest z^-1) / (z - 1),  t_d = m T + rest.               (disk-4)
+Complex AliasedDisk::sum_feedthrough(double omega, Complex base_weight) const {
+  if (model_.blocked_feedthrough() == 0) return 0;
+  const Complex later = std::polar(1.0, -omega * period_);
+  const Complex held = split_.period - split_.rest + split_.rest * later;
+  const Complex late =
+      std::polar(1.0, -omega * period_ * (static_cast<double>(split_.whole) + 0.5));
+  const Complex all = late * held / Complex(0, 2 * std::sin(omega * period_ / 2));
+  return model_.blocked_feedthrough() * (all - base_weight);
 }
 
 // (1 - e^(-jwT)) / T of (disk-1), without the difference; the same at every alias.
@@ -77,7 +89,8 @@ AliasedDisk::Term AliasedDisk::make_term(double omega) {
   const PortResponse r = model_.at(std::abs(omega));
   note_damping(r);
   const Complex path = r.sensor_path * r.actuation;
-  Term term{0, 0, path, r.blocked_motion, std::max(0.0, r.impedance.real())};
+  const Complex blocked = r.blocked_motion - model_.blocked_feedthrough();
+  Term term{0, 0, path, blocked, std::max(0.0, r.impedance.real())};
   if (omega < 0) {
     term.path = std::conj(term.path);
     term.blocked = std::conj(term.blocked);
@@ -119,6 +132,8 @@ AliasedDisk::Terms AliasedDisk::collect(double omega) {
     return term;
   };
   terms.base = weigh(make_term(omega), omega, 1);
+  terms.base.blocked += model_.blocked_feedthrough();
+  terms.feedthrough = sum_feedthrough(omega, terms.base.center_weight);
   for (int n = 1; n <= aliases_; ++n) {
     for (const double at : {omega + n * sampling_frequency, omega - n * sampling_frequency}) {
       terms.aliases.push_back(weigh(make_term(at), at, 1));
@@ -159,7 +174,7 @@ DiskPoint AliasedDisk::evaluate(const Terms& terms, double extra_damping) const 
     const double damping = term.damping + extra_damping;
     return damping > 0 ? 1 / (2 * damping) : infinity;
   };
-  Complex center = 0;
+  Complex center = terms.feedthrough;
   double radius = 0;
   double oscillating = 0;  // bound of the centre's tail where the delay makes it oscillate
   for (const Term& term : terms.aliases) {
@@ -173,12 +188,14 @@ DiskPoint AliasedDisk::evaluate(const Terms& terms, double extra_damping) const 
     }
   }
   Complex tail_center = 0;
+  double tail_size = 0;  // of the centre's terms one by one
   double tail_radius = 0;
   for (const Term& term : tail_) {
     const double size = std::abs(term.path);
     const double compliance = size > 0 ? half_over(term) : 0;
-    tail_center +=
-        term.radius_weight * (term.blocked + (size > 0 ? term.path * compliance : Complex(0)));
+    const Complex reach = term.blocked + (size > 0 ? term.path * compliance : Complex(0));
+    tail_center += term.radius_weight * reach;
+    tail_size += term.radius_weight * std::abs(reach);
     tail_radius += term.radius_weight * size * compliance;
   }
   // Behind the last panel g ~ w^q: integral of g/w^2 from W is g(W)/(W (1 - q)).
@@ -191,6 +208,7 @@ DiskPoint AliasedDisk::evaluate(const Terms& terms, double extra_damping) const 
     const double weight =
         exponent < 0.95 ? 1 / (far_omega_ * sampling_frequency * (1 - exponent)) : infinity;
     tail_center += weight * far_.path * half_over(far_);
+    tail_size += weight * near;
     tail_radius += weight * near;
   }
   const double factor = std::abs(terms.tail_factor);
@@ -198,7 +216,7 @@ DiskPoint AliasedDisk::evaluate(const Terms& terms, double extra_damping) const 
     // Upper aliases carry the tail as it is, lower ones its conjugate.
     center += terms.tail_factor * 2.0 * tail_center.real();
   } else {
-    oscillating += 2 * factor * std::abs(tail_center);
+    oscillating += 2 * factor * tail_size;
   }
   radius += 2 * factor * tail_radius + oscillating;
 

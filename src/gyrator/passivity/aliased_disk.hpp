@@ -1,6 +1,7 @@
 #pragma once
 
 #include "gyrator/controllers/sampling.hpp"
+#include "gyrator/cosim/sampled_plant.hpp"
 #include "gyrator/passivity/port_response.hpp"
 
 #include <complex>
@@ -69,13 +70,14 @@ class AliasedDisk {
   struct Term {
     std::complex<double> center_weight;  // k_n, or its part of a quadrature
     double radius_weight = 0;
-    std::complex<double> path;  // S A
-    std::complex<double> blocked;
-    double damping = 0;  // Re Z
+    std::complex<double> path;     // S A
+    std::complex<double> blocked;  // M, at aliases and in the tail less what it tends to
+    double damping = 0;            // Re Z
   };
   struct Terms {
     double omega = 0;
     Term base;
+    std::complex<double> feedthrough;  // of the command into the sensed signal, all aliases
     std::complex<double> tail_factor;  // of the shared tail's upper (conjugated: lower) half
     std::vector<Term> aliases;
   };
@@ -83,12 +85,14 @@ class AliasedDisk {
  private:
   Term make_term(double omega);
   std::complex<double> hold_factor(double omega) const;
+  std::complex<double> sum_feedthrough(double omega, std::complex<double> base_weight) const;
   void note_damping(const PortResponse& response);
   void prepare_tail();
 
   PortModel model_;
   double period_;
   double delay_;
+  SplitDelay split_;
   bool whole_delay_;
   int aliases_;
   double tail_start_ = 0;   // [rad/s]

@@ -25,6 +25,10 @@ std::string join_reasons(const std::vector<std::string>& reasons) {
 }
 
 std::vector<std::string> drive_reasons(const Assumptions& a) {
+  if (a.reads_wave)
+    return {
+        "the controller reads a wave, not the position; shown for the same wall computed from the "
+        "position"};
   std::vector<std::string> reasons;
   if (!a.ideal_drive) {
     reasons.push_back(fmt::format(
@@ -35,6 +39,14 @@ std::vector<std::string> drive_reasons(const Assumptions& a) {
   if (!a.collocated) reasons.emplace_back("the sensor is not at the port");
   if (a.held) reasons.emplace_back("the wall is an analog loop: no sampled law is left to judge");
   return reasons;
+}
+
+// The controller's wall, or the one from the position with the values of a wall behind a wave line.
+std::optional<VirtualWall> find_textbook_wall(const Controller& controller) {
+  if (const auto* wall = std::get_if<VirtualWall>(&controller)) return *wall;
+  const auto values = find_wall_values(controller);
+  if (!values) return std::nullopt;
+  return VirtualWall{.stiffness = values->stiffness, .damping = values->damping};
 }
 
 double spread(double low, double high) {
@@ -81,7 +93,7 @@ CriterionResult judge_frequency_dependent(const PassivityModel& model,
   result.margin = worst.value;
   result.holds = worst.value > 0;
   result.worst_frequency_hz = worst.omega / (2 * pi);
-  if (const auto* wall = std::get_if<VirtualWall>(&model.controller)) {
+  if (const auto wall = find_wall_values(model.controller)) {
     result.max_stiffness = limits.find(Criterion::frequency_dependent, wall->damping).stiffness;
   }
   auto reasons = drive_reasons(a);
@@ -120,10 +132,16 @@ CriterionResult judge_quantized_coulomb(const PassivityModel& model, const Virtu
 
 }  // namespace
 
+DiscreteStateSpace make_textbook_law(const Controller& controller, double period) {
+  const auto wall = find_textbook_wall(controller);
+  return wall ? make_wall_law(*wall, period) : make_gain(0);
+}
+
 Assumptions test_assumptions(const Device& device, const Sampling& sampling, PortModel& model) {
   Assumptions a;
   a.held = find_held_impedance(device) != nullptr;
-  a.collocated = device.sensor == SensorLocation::port || !device.mechanics.transmission;
+  a.collocated = build_device_network(device, FreeOperator{}).collocated;
+  a.reads_wave = device.sensor == SensorLocation::outgoing_wave;
   a.no_delay = sampling.delay == Rational(0);
   a.whole_delay = split_delay(sampling).rest == 0;
 
@@ -162,9 +180,9 @@ std::vector<CriterionResult> judge_textbook(const PassivityModel& model,
                                             StiffnessLimits& limits) {
   const double period = model.sampling.period.to_double();
   std::vector<CriterionResult> results;
-  const auto* wall = std::get_if<VirtualWall>(&model.controller);
+  const auto wall = find_textbook_wall(model.controller);
   if (wall) results.push_back(judge_spring_damper(*wall, assumptions, limits));
-  results.push_back(judge_frequency_dependent(model, make_contact_law(model.controller, period),
+  results.push_back(judge_frequency_dependent(model, make_textbook_law(model.controller, period),
                                               assumptions, limits));
   if (wall) results.push_back(judge_quantized_coulomb(model, *wall, assumptions, limits));
   return results;

@@ -29,7 +29,7 @@ StateSpace make_admittance(const DeviceNetwork& device) {
   StateSpace system{reduction.A, reduction.B, Eigen::MatrixXd(2, reduction.A.rows()),
                     Eigen::MatrixXd(2, 2)};
   const ReducedForm port = reduction.reduce(equations.across(device.port));
-  const ReducedForm sensed = reduction.reduce(equations.across(device.sensed));
+  const ReducedForm sensed = reduction.reduce(find_sensed_rate(device, equations));
   system.C << port.state, sensed.state;
   system.D << port.input, sensed.input;
   return system;
@@ -47,7 +47,7 @@ std::vector<PortResponse> compute_port_response(const Device& device,
   const DeviceNetwork network = build_device_network(device, FreeOperator{});
   const NetworkEquations equations(network.network);
   const LinearForm port = equations.across(network.port);
-  const LinearForm sensed = equations.across(network.sensed);
+  const LinearForm sensed = find_sensed_rate(network, equations);
   DescriptorResponse response(equations.descriptor());
   std::vector<PortResponse> responses;
   responses.reserve(frequency_hz.size());
@@ -62,9 +62,14 @@ std::vector<PortResponse> compute_port_response(const Device& device,
   return responses;
 }
 
+PortModel::PortModel(const StateSpace& admittance, bool collocated)
+    : response_(admittance),
+      collocated_(collocated),
+      blocked_feedthrough_(collocated ? 0 : admittance.D(1, 0)) {}
+
 PortModel::PortModel(const Device& device)
-    : response_(make_admittance(build_device_network(device, FreeOperator{}))),
-      collocated_(build_device_network(device, FreeOperator{}).collocated) {
+    : PortModel(make_admittance(build_device_network(device, FreeOperator{})),
+                build_device_network(device, FreeOperator{}).collocated) {
   const Eigen::VectorXcd free = poles_of(device, FreeOperator{});
   const Eigen::VectorXcd clamped = poles_of(device, ClampedOperator{});
   poles_.resize(free.size() + clamped.size());

@@ -12,7 +12,8 @@ namespace gyrator {
 ///   f_h = Z v_p - A u        v_s = S v_p + M u                                    (port-1)
 /// Z impedance at the port; A actuation path, the blocked effort at the port per command (1 for
 /// an ideal drive); S sensor path, sensed over port velocity (1 when they are the same); M what
-/// the sensor still sees of the command with the port held (0 when they are the same).
+/// the sensor still sees of the command with the port held (0 when they are the same). "Sensed" is
+/// the rate of what the controller samples: a velocity, or a wave [V].
 ///
 /// In the admittances of the equations sheet Z = 1/Y_pp, A = Y_pu/Y_pp, S = Y_sp/Y_pp and
 /// M = Y_su - Y_sp Y_pu/Y_pp. This form needs no difference of large numbers in the passivity
@@ -34,13 +35,19 @@ class PortModel {
 
   PortResponse at(double omega);
 
+  /// What M tends to at high frequency: not zero where a wave is sensed, whose source is in it.
+  double blocked_feedthrough() const { return blocked_feedthrough_; }
+
   /// Poles of the device with the port free and with it clamped [rad/s]: where its response varies.
   const Eigen::VectorXcd& poles() const { return poles_; }
 
  private:
+  PortModel(const StateSpace& admittance, bool collocated);
+
   HessenbergResponse response_;
   Eigen::VectorXcd poles_;
   bool collocated_;
+  double blocked_feedthrough_;
   Eigen::MatrixXcd admittance_;
 };
 

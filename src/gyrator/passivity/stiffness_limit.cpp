@@ -19,6 +19,31 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+// D |q|^2 of (disk-3) over K for H = p/q: a quadratic again. Its constant term is summed from parts
+// of the given size.
+struct MarginPolynomial {
+  double value = 0, slope = 0, curvature = 0, size = 0;
+};
+
+MarginPolynomial expand_margin(const DiskPoint& disk, const MobiusLaw& law) {
+  const auto product = [](Complex a, Complex b) { return std::real(a * std::conj(b)); };
+  // The gap is infinite where nothing bounds the loop; a law that is zero does not mind.
+  const auto gap = [&](double factor) { return factor == 0 ? 0 : factor * disk.scaled_gap; };
+  MarginPolynomial d;
+  const double centre = 2 * std::real(law.p0 * std::conj(law.q0) * disk.scaled_center);
+  d.value = disk.damping * std::norm(law.q0) + centre + gap(std::norm(law.p0));
+  d.slope = 2 * disk.damping * product(law.q0, law.q1) +
+            2 * std::real((law.p0 * std::conj(law.q1) + law.p1 * std::conj(law.q0)) *
+                          disk.scaled_center) +
+            gap(2 * product(law.p0, law.p1));
+  d.curvature = disk.damping * std::norm(law.q1) +
+                2 * std::real(law.p1 * std::conj(law.q1) * disk.scaled_center) +
+                gap(std::norm(law.p1));
+  d.size = disk.damping * std::norm(law.q0) +
+           2 * std::abs(law.p0) * std::abs(law.q0) * std::abs(disk.scaled_center);
+  return d;
+}
+
 // First K >= 0 at which value + slope K + curvature K^2 falls to zero. `value` below rounding of
 // the `size` of what it was summed from is zero.
 double first_root(double value, double slope, double curvature, double size) {
@@ -51,16 +76,23 @@ std::string_view name_of(Criterion criterion) {
 
 StiffnessLimits::StiffnessLimits(const Device& device, const Sampling& sampling,
                                  const VelocityEstimator& estimator, const Operator& held_by)
+    : StiffnessLimits(device, sampling, VirtualWall{.velocity = estimator}, held_by) {}
+
+StiffnessLimits::StiffnessLimits(const Device& device, const Sampling& sampling,
+                                 const Controller& controller, const Operator& held_by)
     : device_(device),
       sampling_(sampling),
       period_(sampling.period.to_double()),
-      velocity_(make_velocity_law(estimator, period_)),
+      family_(controller, period_),
+      position_family_(
+          std::holds_alternative<VirtualWall>(controller) ? controller : NoController{}, period_),
       operator_(held_by),
       disk_(device, sampling),
       grid_(make_judging_grid(disk_.model().poles(), period_)) {
   for (const double omega : grid_) {
     damping_.push_back(disk_.model().at(omega).impedance.real());
-    velocity_on_grid_.push_back(velocity_response(omega));
+    laws_.push_back(family_.prepare(omega));
+    position_laws_.push_back(position_family_.prepare(omega));
   }
 }
 
@@ -75,10 +107,6 @@ const SampledPlant& StiffnessLimits::sampled() {
   if (!sampled_)
     sampled_ = sample_plant(build_plant(build_device_network(device_, operator_)), sampling_);
   return *sampled_;
-}
-
-Complex StiffnessLimits::velocity_response(double omega) const {
-  return velocity_.response(std::polar(1.0, omega * period_));
 }
 
 StiffnessLimit StiffnessLimits::find(Criterion criterion, double virtual_damping) {
@@ -114,49 +142,45 @@ StiffnessLimit StiffnessLimits::find_lowest(const Function& limit_at,
 
 StiffnessLimit StiffnessLimits::find_frequency_dependent(double virtual_damping) {
   const double delay = sampling_.delay.to_double();
-  const auto limit = [&](double omega, double damping, Complex velocity) {
+  const auto limit = [&](const LawFamily::Point& law, double damping) {
+    const double omega = law.omega;
     const Complex late = std::polar(1.0, -omega * delay);
-    const double available =
-        damping + compute_virtual_damping(omega, period_, late * velocity * virtual_damping);
+    const Complex damper = position_family_.at(law, virtual_damping).at(0);
+    const double available = damping + compute_virtual_damping(omega, period_, late * damper);
     return first_root(available, compute_virtual_damping(omega, period_, late), 0,
                       damping + std::abs(virtual_damping));
   };
   std::vector<double> values;
   for (std::size_t i = 0; i < grid_.size(); ++i) {
-    values.push_back(limit(grid_[i], damping_[i], velocity_on_grid_[i]));
+    values.push_back(limit(position_laws_[i], damping_[i]));
   }
   return find_lowest(
       [&](double omega) {
-        return limit(omega, disk_.model().at(omega).impedance.real(), velocity_response(omega));
+        return limit(position_family_.prepare(omega), disk_.model().at(omega).impedance.real());
       },
       values);
 }
 
 StiffnessLimit StiffnessLimits::find_exact_disk(double virtual_damping) {
-  // D of (disk-3) with H = K + B V is quadratic in K at each frequency.
-  const auto limit = [&](const DiskPoint& point, Complex velocity) {
-    const Complex damper = virtual_damping * velocity;
-    return first_root(point.damping_margin(damper),
-                      2 * point.scaled_center.real() + 2 * damper.real() * point.scaled_gap,
-                      point.scaled_gap, point.damping + std::abs(virtual_damping));
+  if (!family_.has(virtual_damping)) return {0, false, 0};
+  const auto limit = [&](const DiskPoint& point, const LawFamily::Point& law) {
+    const MarginPolynomial d = expand_margin(point, family_.at(law, virtual_damping));
+    return first_root(d.value, d.slope, d.curvature, d.size);
   };
   std::vector<double> values;
   const auto& points = disks();
-  for (std::size_t i = 0; i < points.size(); ++i)
-    values.push_back(limit(points[i], velocity_on_grid_[i]));
+  for (std::size_t i = 0; i < points.size(); ++i) values.push_back(limit(points[i], laws_[i]));
   if (disk_.least_damping().active) {
     return {0, false, disk_.least_damping().omega / (2 * std::numbers::pi)};
   }
   StiffnessLimit result = find_lowest(
-      [&](double omega) { return limit(disk_.at(omega), velocity_response(omega)); }, values);
+      [&](double omega) { return limit(disk_.at(omega), family_.prepare(omega)); }, values);
   if (!result.feasible) return result;
 
   // The disks exclude a pole on the unit circle for every smaller K, so one stable K proves them
   // all.
   const double inside = std::isfinite(result.stiffness) ? result.stiffness / 2 : 1;
-  const VirtualWall wall{inside, virtual_damping};
-  const DiscreteStateSpace law =
-      in_parallel(make_gain(wall.stiffness), scaled(velocity_, wall.damping));
+  const DiscreteStateSpace law = family_.make(inside, virtual_damping);
   const SampledPlant free =
       sample_plant(build_plant(build_device_network(device_, FreeOperator{})), sampling_);
   if (compute_spectral_radius(build_loop_matrix(free, law)) > 1 + stability_tolerance)
@@ -164,17 +188,22 @@ StiffnessLimit StiffnessLimits::find_exact_disk(double virtual_damping) {
   return result;
 }
 
+// Where to look for a limit: the stiffness at which a sample's command moves the sampled plant by
+// its own error, or the one that a wave line has by itself. Infinite where a command moves nothing.
+double StiffnessLimits::scale_stiffness() {
+  if (const auto line = family_.line_stiffness()) return *line;
+  const SampledPlant& plant = sampled();
+  return 1 / std::abs((plant.sense * (plant.phi * plant.recent + plant.recent))(0));
+}
+
 StiffnessLimit StiffnessLimits::find_coupled(double virtual_damping) {
-  const DiscreteStateSpace damper = scaled(velocity_, virtual_damping);
+  if (!family_.has(virtual_damping)) return {0, false, 0};
   const auto excess = [&](double stiffness) {
-    const DiscreteStateSpace law = in_parallel(make_gain(stiffness), damper);
+    const DiscreteStateSpace law = family_.make(stiffness, virtual_damping);
     return compute_spectral_radius(build_loop_matrix(sampled(), law)) - 1;
   };
-  // Scale: the stiffness at which a sample's command moves the sampled plant by its own error.
-  const double gain =
-      std::abs((sampled().sense * (sampled().phi * sampled().recent + sampled().recent))(0));
-  if (!(gain > 0)) return {infinity, true, 0};
-  const double scale = 1 / gain;
+  const double scale = scale_stiffness();
+  if (!std::isfinite(scale)) return {infinity, true, 0};
   double stable = 1e-7 * scale;
   if (excess(stable) > stability_tolerance) return {0, false, 0};
   double unstable = stable;
@@ -185,13 +214,13 @@ StiffnessLimit StiffnessLimits::find_coupled(double virtual_damping) {
     if (stable > 1e4 * scale) return {infinity, true, 0};
   }
   // An eigenvalue that stays at one (a device without stiffness of its own) is not the crossing.
-  const double at_rest = excess(stable) < 0 ? 0 : stability_tolerance;
+  const double at_rest = excess(stable) < -stability_tolerance ? 0 : stability_tolerance;
   std::uintmax_t iterations = 100;
   const auto bracket = boost::math::tools::toms748_solve(
       [&](double stiffness) { return excess(stiffness) - at_rest; }, stable, unstable,
       boost::math::tools::eps_tolerance<double>(44), iterations);
   const double critical = (bracket.first + bracket.second) / 2;
-  const DiscreteStateSpace law = in_parallel(make_gain(critical), damper);
+  const DiscreteStateSpace law = family_.make(critical, virtual_damping);
   return {critical, true,
           find_dominant_pole(build_loop_matrix(sampled(), law), period_).frequency_hz};
 }

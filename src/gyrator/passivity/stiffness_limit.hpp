@@ -1,6 +1,6 @@
 #pragma once
 
-#include "gyrator/controllers/velocity_estimator.hpp"
+#include "gyrator/controllers/law_family.hpp"
 #include "gyrator/cosim/sampled_plant.hpp"
 #include "gyrator/passivity/aliased_disk.hpp"
 
@@ -29,8 +29,10 @@ struct StiffnessLimit {
   double worst_frequency_hz = 0;  ///< where it binds
 };
 
-/// Largest virtual stiffness K of a wall H = K + B V(z) over virtual damping B, by one criterion.
-/// What does not depend on K and B (the disks, the sampled plant) is computed once.
+/// Largest virtual stiffness K of a wall over virtual damping B, by one criterion: of a wall from
+/// the position, H = K + B V(z), or of one behind a wave line (LawFamily). What does not depend on
+/// K and B (the disks, the sampled plant) is computed once. The textbook's two always speak of the
+/// wall from the position.
 ///   spring_damper        K = (b - |B|) 2/T, b = Re Z(0)                                   [8.4]
 ///   frequency_dependent  Re Z + b_v > 0 at every frequency                               [8.46]
 ///   exact_disk           D(w) > 0 of (disk-3) at every frequency
@@ -39,6 +41,9 @@ class StiffnessLimits {
  public:
   StiffnessLimits(const Device& device, const Sampling& sampling,
                   const VelocityEstimator& estimator, const Operator& held_by);
+  /// Of the wall of the controller's kind; `controller` without one: from the position.
+  StiffnessLimits(const Device& device, const Sampling& sampling, const Controller& controller,
+                  const Operator& held_by);
 
   StiffnessLimit find(Criterion criterion, double virtual_damping);
 
@@ -53,19 +58,20 @@ class StiffnessLimits {
   StiffnessLimit find_coupled(double virtual_damping);
   template <class Function>
   StiffnessLimit find_lowest(const Function& limit_at, const std::vector<double>& values);
-  std::complex<double> velocity_response(double omega) const;
   const SampledPlant& sampled();
+  double scale_stiffness();
 
   Device device_;
   Sampling sampling_;
   double period_;
-  DiscreteStateSpace velocity_;
+  LawFamily family_;
+  LawFamily position_family_;
   Operator operator_;
   AliasedDisk disk_;
   std::vector<double> grid_;
   std::vector<DiskPoint> disks_;
   std::vector<double> damping_;
-  std::vector<std::complex<double>> velocity_on_grid_;
+  std::vector<LawFamily::Point> laws_, position_laws_;
   std::optional<SampledPlant> sampled_;
 };
 

@@ -24,7 +24,8 @@ class Judge {
       : model_(model),
         period_(model.sampling.period.to_double()),
         law_(make_contact_law(model.controller, period_)),
-        limits_(model.device, model.sampling, estimator_of(model.controller), FreeOperator{}) {}
+        textbook_law_(make_textbook_law(model.controller, period_)),
+        limits_(model.device, model.sampling, model.controller, FreeOperator{}) {}
 
   Verdict judge(bool search_counterexample) {
     Verdict v;
@@ -47,11 +48,6 @@ class Judge {
   }
 
  private:
-  static VelocityEstimator estimator_of(const Controller& controller) {
-    const auto* wall = std::get_if<VirtualWall>(&controller);
-    return wall ? wall->velocity : VelocityEstimator{DifferenceEstimator{}};
-  }
-
   std::complex<double> law_at(double omega) const {
     return law_.response(std::polar(1.0, omega * period_));
   }
@@ -85,7 +81,7 @@ class Judge {
         compute_spectral_radius(build_loop_matrix(sample_plant(free, model_.sampling), law_));
     const bool stable_alone = v.uncoupled_spectral_radius <= 1 + stability_tolerance;
     exact.holds = worst_.value > 0 && stable_alone && v.device_passive;
-    if (const auto* wall = std::get_if<VirtualWall>(&model_.controller)) {
+    if (const auto wall = find_wall_values(model_.controller)) {
       exact.max_stiffness = limits_.find(Criterion::exact_disk, wall->damping).stiffness;
     } else if (const auto* held = find_held_impedance(model_.device)) {
       exact.max_stiffness = limits_.find(Criterion::exact_disk, held->damping).stiffness;
@@ -109,7 +105,7 @@ class Judge {
     return exact;
   }
 
-  static void explain(Verdict& v) {
+  void explain(Verdict& v) const {
     const CriterionResult* exact = nullptr;
     const CriterionResult* textbook = nullptr;
     for (const auto& criterion : v.criteria) {
@@ -118,7 +114,10 @@ class Judge {
     }
     if (v.passive) {
       v.explanation = "No passive operator can make the loop unstable.";
-      if (!textbook->holds)
+      const bool waves = std::holds_alternative<WaveController>(model_.controller);
+      if (!textbook->holds && waves)
+        v.explanation += " Computed from the position, the same wall would fail [8.46].";
+      if (!textbook->holds && !waves)
         v.explanation += " The textbook criterion [8.46] denies it: it is too strict here.";
       return;
     }
@@ -142,7 +141,9 @@ class Judge {
     for (std::size_t i = 0; i < points.size(); ++i) {
       const double omega = limits_.grid()[i];
       const double virtual_part =
-          compute_virtual_damping(omega, period_, std::polar(1.0, -omega * delay) * laws_[i]);
+          compute_virtual_damping(omega, period_,
+                                  std::polar(1.0, -omega * delay) *
+                                      textbook_law_.response(std::polar(1.0, omega * period_)));
       curves.frequency_hz.push_back(omega / (2 * pi));
       curves.physical.push_back(points[i].damping);
       curves.virtual_damping.push_back(virtual_part);
@@ -233,6 +234,7 @@ class Judge {
   const PassivityModel& model_;
   double period_;
   DiscreteStateSpace law_;
+  DiscreteStateSpace textbook_law_;
   StiffnessLimits limits_;
   std::vector<std::complex<double>> laws_;
   Minimum worst_;  // of D over frequency

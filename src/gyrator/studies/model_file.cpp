@@ -8,6 +8,7 @@
 #include "gyrator/plots/pretty_text.hpp"
 #include "gyrator/studies/model_format.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -83,6 +84,7 @@ Damping damping_of(const json& d, const Motor& motor, const json& controller,
                          wall ? controller["damping"].get<double>() : 0,
                          optional_of(d, "bandwidth")};
   }
+  if (kind == "wave") return WaveDamping{d["impedance"]};
   if (kind == "torque_sensed_damper") return TorqueSensedDamper{d["damping"], d["cutoff"]};
   if (kind == "eddy_current_brake") return EddyCurrentBrake{d["damping"], d["on"]};
   return high_pass_damper_of(d);
@@ -120,8 +122,14 @@ VelocityEstimator estimator_of(const json& v) {
   return FilteredDifferenceEstimator{v["cutoff"]};
 }
 
+WaveEnvironment environment_of(const json& e) {
+  if (e["kind"] == "matched") return MatchedEnvironment{};
+  return WaveWall{e["stiffness"], e["damping"], e["unilateral"]};
+}
+
 Controller controller_of(const json& c) {
   if (c["kind"] == "none") return NoController{};
+  if (c["kind"] == "wave") return WaveController{.environment = environment_of(c["environment"])};
   return VirtualWall{c["stiffness"], c["damping"], estimator_of(c["velocity"]), c["unilateral"],
                      c["no_pull"]};
 }
@@ -146,8 +154,38 @@ void check_held_impedance(const Model& model, const std::string& file) {
   }
 }
 
+// The wave controller reads the drive's wave instead of a position, and takes its scales from the
+// drive.
+void connect_wave(Model& model, WaveController& wave, const json& sensor) {
+  const auto& damping = model.device.drive.damping;
+  const auto drive = std::find_if(damping.begin(), damping.end(), [](const Damping& d) {
+    return std::holds_alternative<WaveDamping>(d);
+  });
+  if (drive == damping.end()) {
+    throw Error(
+        ErrorCode::bad_input, "controller/kind",
+        "\"wave\" without a wave drive to read: add {\"kind\": \"wave\", \"impedance\": …} to "
+        "\"damping\", with \"amplifier\": {\"kind\": \"voltage\"}");
+  }
+  for (const char* key : {"quantum", "offset"}) {
+    if (sensor[key] == 0) continue;
+    throw Error(ErrorCode::bad_input, std::string("sensor/") + key,
+                "a controller of kind \"wave\" reads no position: leave it out");
+  }
+  if (sensor["location"] == "motor") {
+    throw Error(ErrorCode::bad_input, "sensor/location",
+                "\"motor\": a controller of kind \"wave\" reads no position: leave it out");
+  }
+  model.device.sensor = SensorLocation::outgoing_wave;
+  wave.impedance = std::get<WaveDamping>(*drive).impedance;
+  wave.volts_per_velocity = model.device.drive.motor->torque_constant;
+  wave.volts_per_command =
+      build_device_network(model.device, FreeOperator{}).drive.volts_per_command;
+  make_wave_law(wave, model.sampling.period.to_double());  // refuses what it cannot be
+}
+
 // What no single key can tell.
-void check_together(const Model& model, const json& source, const std::string& file) {
+void check_together(Model& model, const json& source, const json& read, const std::string& file) {
   const bool ideal = std::holds_alternative<IdealDrive>(model.device.drive.amplifier);
   if (!model.device.drive.motor && !ideal) {
     const std::string kind =
@@ -168,6 +206,8 @@ void check_together(const Model& model, const json& source, const std::string& f
   }
   try {
     build_device_network(model.device, FreeOperator{});
+    if (auto* wave = std::get_if<WaveController>(&model.controller))
+      connect_wave(model, *wave, read["sensor"]);
   } catch (const Error& error) {
     throw Error(error.code(), file + ": /" + error.place(), error.message());
   }
@@ -206,7 +246,7 @@ Model parse_model(const json& document, const std::string& file) {
   model.initial_position = s["initial_position"];
   model.external_effort = s["external_effort"];
   model.source = document;
-  check_together(model, document, file);
+  check_together(model, document, m, file);
   return model;
 }
 

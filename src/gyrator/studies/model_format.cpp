@@ -146,8 +146,8 @@ Member cutoff_frequency(const char* name) {
   return member::quantity(name, dimension::frequency).above(0);
 }
 
-// Circuits across the motor terminals.
-std::vector<ObjectSpec> branch_specs() {
+// Circuits around the motor terminals.
+std::vector<ObjectSpec> branch_specs(const MotionTerms& terms) {
   return {{"resistor",
            "A resistor across the motor terminals.",
            {
@@ -177,6 +177,16 @@ std::vector<ObjectSpec> branch_specs() {
                member::boolean("allow_negative")
                    .by_default(false)
                    .doc("Take negative resistances, as parts that supply energy."),
+           }},
+          {"wave",
+           "A wave-variable drive: resistance between a voltage amplifier and the motor, so that "
+           "source and resistance carry waves of this impedance. At most one.",
+           {
+               member::quantity("impedance", terms.damping)
+                   .required()
+                   .above(0)
+                   .doc("Wave impedance b_w; the whole source resistance is K_t^2/b_w, the "
+                        "amplifier's output_resistance included."),
            }}};
 }
 
@@ -227,7 +237,7 @@ std::vector<ObjectSpec> feedback_specs(const MotionTerms& terms) {
 }
 
 std::vector<ObjectSpec> damping_specs(const MotionTerms& terms) {
-  std::vector<ObjectSpec> specs = branch_specs();
+  std::vector<ObjectSpec> specs = branch_specs(terms);
   for (auto& spec : feedback_specs(terms)) specs.push_back(std::move(spec));
   specs.push_back(
       {"eddy_current_brake",
@@ -257,6 +267,25 @@ std::vector<ObjectSpec> velocity_specs() {
        }}};
 }
 
+std::vector<ObjectSpec> wave_environment_specs(const MotionTerms& terms) {
+  return {{"matched", "Absorbs every wave: a damper of the wave impedance.", {}},
+          {"virtual_wall",
+           "Spring and damper by the trapezoidal rule, at position zero of the environment's own "
+           "motion, which starts at initial_position.",
+           {
+               member::quantity("stiffness", terms.stiffness)
+                   .required()
+                   .at_least(0)
+                   .doc("Virtual stiffness K."),
+               member::quantity("damping", terms.damping)
+                   .by_default(0)
+                   .doc("Virtual damping B; above minus the wave impedance."),
+               member::boolean("unilateral")
+                   .by_default(false)
+                   .doc("Active only for positions of the environment > 0."),
+           }}};
+}
+
 std::vector<ObjectSpec> controller_specs(const MotionTerms& terms) {
   return {{"none", "The command stays zero.", {}},
           {"virtual_wall",
@@ -275,6 +304,14 @@ std::vector<ObjectSpec> controller_specs(const MotionTerms& terms) {
                member::boolean("unilateral").by_default(false).doc("Active only for position > 0."),
                member::boolean("no_pull").by_default(false).doc(
                    "A unilateral wall that never pulls inwards."),
+           }},
+          {"wave",
+           "The digital end of a wave-variable drive: reads the outgoing wave, averaged over each "
+           "period, and answers with the incoming one. Needs the damping kind wave.",
+           {
+               member::variant("environment", wave_environment_specs(terms))
+                   .required()
+                   .doc("What lies behind the wave line."),
            }}};
 }
 

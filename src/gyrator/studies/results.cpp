@@ -78,8 +78,7 @@ json simulate_counterexample(const Model& model, const Counterexample& found) {
   options.record_every =
       std::max<long>(1, static_cast<long>(std::floor(static_cast<double>(samples) / rows)));
   // The loop that the verdict is about: the wall in contact, nothing quantized.
-  Controller controller = model.sampled_controller();
-  if (auto* wall = std::get_if<VirtualWall>(&controller)) wall->unilateral = wall->no_pull = false;
+  const Controller controller = keep_in_contact(model.sampled_controller());
   const Plant plant = build_plant(build_device_network(model.device, found.held_by));
   const TimeRun run = simulate(plant, Sensor{}, controller, model.sampling, options);
   return {{"classification", name_of(run.classification.outcome)},
@@ -129,8 +128,8 @@ json stability_json(const Model& model) {
   return {{"clamped", edge_json(edges->clamped)}, {"free", edge_json(edges->free)}};
 }
 
-const VirtualWall* wall_of(const Model& model) {
-  return std::get_if<VirtualWall>(&model.controller);
+std::optional<WallValues> wall_of(const Model& model) {
+  return find_wall_values(model.controller);
 }
 
 }  // namespace
@@ -165,7 +164,7 @@ json make_passivity_result(const Model& model, const PassivityRequest& request) 
   json result = start_result("passivity", model);
   result["verdict"] = v.passive ? "passive" : "not_passive";
   result["explanation"] = v.explanation;
-  if (const auto* wall = wall_of(model)) {
+  if (const auto wall = wall_of(model)) {
     result["stiffness"] = wall->stiffness;
     result["virtual_damping"] = wall->damping;
   }
@@ -190,9 +189,14 @@ json make_passivity_result(const Model& model, const PassivityRequest& request) 
 }
 
 std::vector<double> choose_damping_range(const Model& model, int points) {
-  const auto* wall = wall_of(model);
-  StiffnessLimits limits(model.device, model.sampling,
-                         wall ? wall->velocity : DifferenceEstimator{}, model.held_by);
+  StiffnessLimits limits(model.device, model.sampling, model.controller, model.held_by);
+  // Behind a wave line every B >= 0 is passive, and none below -b_w has a law.
+  if (const auto* wave = std::get_if<WaveController>(&model.controller)) {
+    std::vector<double> damping;
+    for (int i = 0; i < points; ++i)
+      damping.push_back(wave->impedance * (-0.5 + 2.0 * i / std::max(1, points - 1)));
+    return damping;
+  }
   const double b = limits.disk().model().at(limits.grid().front()).impedance.real();
   const auto feasible = [&](double damping) {
     return naming_file(model, [&] { return limits.find(Criterion::exact_disk, damping).feasible; });
@@ -216,9 +220,8 @@ std::vector<double> choose_damping_range(const Model& model, int points) {
 json make_zwidth_result(const Model& model, const ZwidthRequest& request) {
   naming_file(model, [&] { require_stable_device(model.device); });
   json result = start_result("zwidth", model);
-  const auto* wall = wall_of(model);
-  StiffnessLimits limits(model.device, model.sampling,
-                         wall ? wall->velocity : DifferenceEstimator{}, model.held_by);
+  const auto wall = wall_of(model);
+  StiffnessLimits limits(model.device, model.sampling, model.controller, model.held_by);
   Progress progress("Z-width", request.damping.size() * request.criteria.size(), request.quiet);
   json boundaries = json::array();
   for (const Criterion criterion : request.criteria) {

@@ -135,7 +135,7 @@ TEST(Plant, gives_the_networks_frequency_response_from_command_to_sensor) {
     for (const double hz : {0.1, 3.0, 40.0, 700.0, 2e3}) {
       const Complex s(0, 2 * std::numbers::pi * hz);
       const Eigen::MatrixXcd x = solve_descriptor(equations.descriptor(), s);
-      const Complex wanted = (equations.across(network.sensed).x * x)(network.command) / s;
+      const Complex wanted = (find_sensed_rate(network, equations).x * x)(network.command) / s;
       response.evaluate(s, found);
       EXPECT_LE(std::abs(found(0, 0) - wanted), 1e-9 * std::abs(wanted)) << name << " at " << hz;
     }
@@ -162,7 +162,6 @@ TEST(Plant, an_effort_that_would_be_the_derivative_of_the_command_is_refused_by_
   network.add_input("command");
   network.add_input("external_effort");
   device.port = network.add_node("port", Domain::mechanical);
-  device.sensed = device.port;
   const NodeId mass = network.add_node("hand", Domain::mechanical);
   network.add("velocity", device.port, ground, VoltageSource{0});
   device.operator_ammeter = network.add("ammeter", mass, device.port, VoltageSource{});

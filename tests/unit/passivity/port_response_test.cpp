@@ -87,7 +87,7 @@ TEST(PortResponse, agrees_with_the_admittances_of_the_free_device) {
   for (const PortResponse& r : compute_port_response(known.device, make_frequencies())) {
     const Eigen::MatrixXcd x = solve_descriptor(equations.descriptor(), Complex(0, r.omega));
     const Eigen::RowVectorXcd port = equations.across(network.port).x * x;
-    const Eigen::RowVectorXcd sensed = equations.across(network.sensed).x * x;
+    const Eigen::RowVectorXcd sensed = find_sensed_rate(network, equations).x * x;
     expect_close(1.0 / r.impedance, port(network.external_effort), "Y_pp");
     expect_close(r.actuation / r.impedance, port(network.command), "Y_pu");
     expect_close(r.sensor_path / r.impedance, sensed(network.external_effort), "Y_sp");

@@ -1,0 +1,51 @@
+#include "gyrator/controllers/law_family.hpp"
+
+#include <cmath>
+
+namespace gyrator {
+
+using Complex = std::complex<double>;
+
+LawFamily::LawFamily(const Controller& controller, double period) : period_(period) {
+  VelocityEstimator estimator = DifferenceEstimator{};
+  if (const auto* wall = std::get_if<VirtualWall>(&controller)) estimator = wall->velocity;
+  if (const auto* wave = std::get_if<WaveController>(&controller)) wave_ = *wave;
+  velocity_ = make_velocity_law(estimator, period);
+}
+
+LawFamily::Point LawFamily::prepare(double omega) const {
+  return {omega, wave_ ? Complex(0) : velocity_.response(std::polar(1.0, omega * period_))};
+}
+
+MobiusLaw LawFamily::at(const Point& point, double virtual_damping) const {
+  if (!wave_) return {virtual_damping * point.velocity, 1, 1, 0};
+  const double omega = point.omega;
+  // Numerator and denominator times z^(-1/2), so that neither has a difference of near numbers:
+  // z^(1/2) - z^(-1/2) = 2 j sin(wT/2) and z^(1/2) + z^(-1/2) = 2 cos(wT/2).
+  const Complex half = std::polar(1.0, -omega * period_ / 2);
+  const Complex minus(0, 2 * std::sin(omega * period_ / 2));
+  const double plus = 2 * std::cos(omega * period_ / 2);
+  const Complex scale = -half * minus / (period_ * wave_->volts_per_command);
+  const double b_w = wave_->impedance;
+  const double spring = period_ / 2 * plus;
+  return {scale * minus * (b_w - virtual_damping), -scale * spring, minus * (b_w + virtual_damping),
+          spring};
+}
+
+DiscreteStateSpace LawFamily::make(double stiffness, double virtual_damping) const {
+  if (!wave_) return in_parallel(make_gain(stiffness), scaled(velocity_, virtual_damping));
+  WaveController wave = *wave_;
+  wave.environment = WaveWall{stiffness, virtual_damping};
+  return make_wave_law(wave, period_);
+}
+
+bool LawFamily::has(double virtual_damping) const {
+  return !wave_ || virtual_damping > -wave_->impedance;
+}
+
+std::optional<double> LawFamily::line_stiffness() const {
+  if (!wave_) return std::nullopt;
+  return 2 * wave_->impedance / period_;
+}
+
+}  // namespace gyrator
