@@ -24,7 +24,9 @@ MobiusLaw LawFamily::at(const Point& point, double virtual_damping) const {
   // z^(1/2) - z^(-1/2) = 2 j sin(wT/2) and z^(1/2) + z^(-1/2) = 2 cos(wT/2).
   const Complex half = std::polar(1.0, -omega * period_ / 2);
   const Complex minus(0, 2 * std::sin(omega * period_ / 2));
-  const double plus = 2 * std::cos(omega * period_ / 2);
+  // Zero at Nyquist, where rounding would leave a spring that only 1e18 N.m/rad makes felt.
+  const double cosine = std::cos(omega * period_ / 2);
+  const double plus = std::abs(cosine) < 1e-12 ? 0 : 2 * cosine;
   const Complex scale = -half * minus / (period_ * wave_->volts_per_command);
   const double b_w = wave_->impedance;
   const double spring = period_ / 2 * plus;

@@ -168,6 +168,8 @@ json make_passivity_result(const Model& model, const PassivityRequest& request) 
     result["stiffness"] = wall->stiffness;
     result["virtual_damping"] = wall->damping;
   }
+  const bool reads_wave = std::holds_alternative<WaveController>(model.controller);
+  result["sampled_signal"] = reads_wave ? "wave_integral" : "position";
   result["criteria"] = json::array();
   for (const auto& criterion : v.criteria) result["criteria"].push_back(criterion_json(criterion));
   result["extra_damping"] = optional_number(v.extra_damping);

@@ -30,6 +30,8 @@ std::vector<Summed> make_summed() {
           {"rc motor, ideal drive", make_rc_motor({}, true), {1 / (2 * b), 1 / (2 * b)}},
           {"rc motor, slow amplifier", make_slow_rc_motor(300), {}},
           {"voltage drive", make_voltage_driven_motor(0.5), {}},
+          // The wave's source is in it: M tends to the volts per command.
+          {"wave drive", make_wave_motor(), {WaveParameters{}.volts_per_command(), 0}},
           {"high-pass damper", make_high_pass(0.04, 0.8, {0.01, 2}), {1 / 5.6, 1 / 5.6}},
           {"compliant, sensor at port", compliant(2e4, 0.3, SensorLocation::port), {}},
           {"compliant, sensor at motor", compliant(2e4, 0.3, SensorLocation::motor), {}},
@@ -85,7 +87,8 @@ TEST(AliasedDisk, encloses_the_plain_sum_for_a_fractional_delay_without_much_roo
     AliasedDisk disk(summed.known.device, part_of_a_period);
     for (const double omega : make_base_frequencies()) {
       const PlainDisk plain = sum_plainly(summed.known, part_of_a_period, omega, 20000);
-      const double left_out = plain.left_out * summed.far.size;
+      const double left_out =
+          plain.left_out * std::max(summed.far.size, std::abs(summed.far.reach));
       const DiskPoint point = disk.at(omega);
       const std::string where = describe(summed, omega);
       const double off = std::abs(point.center - plain.center);

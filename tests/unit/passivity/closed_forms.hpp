@@ -76,6 +76,34 @@ inline KnownDevice make_voltage_driven_motor(double output_resistance) {
           }};
 }
 
+/// A wave drive whose outgoing wave W = V - R_w i is sensed, R_c of the winding cancelled at once;
+/// L_m in series. With R = R_w + R_m - R_c and R/K_t volts per command,
+///   Z = J s + b + K_t^2/(R + L s),   A = R/(R + L s),   S = 2 K_t R_w/(R + L s),
+///   M = (R/K_t) (R_m - R_c + L s - R_w)/(R + L s).
+struct WaveParameters {
+  double J = 1.07e-6, b = 1.2e-6, K_t = 23.5e-3, R_m = 2.06, L_m = 0.238e-3, b_w = 1e-3, R_c = 0;
+
+  double R_w() const { return K_t * K_t / b_w; }
+  double volts_per_command() const { return (R_w() + R_m - R_c) / K_t; }
+};
+inline KnownDevice make_wave_motor(const WaveParameters& p = {}) {
+  Device device;
+  device.mechanics.inertia = p.J;
+  device.mechanics.damping = p.b;
+  device.drive.motor = Motor{p.K_t, p.R_m, p.L_m};
+  device.drive.amplifier = VoltageAmplifier{};
+  device.drive.damping = {WaveDamping{p.b_w}};
+  if (p.R_c > 0) device.drive.damping.push_back(ResistanceCancellation{p.R_c, {}});
+  device.sensor = SensorLocation::outgoing_wave;
+  return {device, [p](Complex s) {
+            const double R = p.R_w() + p.R_m - p.R_c;
+            const Complex winding = R + p.L_m * s;
+            return PortForm{p.J * s + p.b + p.K_t * p.K_t / winding, R / winding,
+                            2 * p.K_t * p.R_w() / winding,
+                            p.volts_per_command() * (winding - 2 * p.R_w()) / winding};
+          }};
+}
+
 /// The current amplifier with a first-order bandwidth [Hz] on the RC motor.
 inline KnownDevice make_slow_rc_motor(double bandwidth_hz) {
   KnownDevice known = make_rc_motor();

@@ -33,6 +33,9 @@ std::vector<Loop> make_loops() {
           {"rc motor, ideal drive", make_rc_motor({}, true), prompt, true},
           {"rc motor, ideal drive, late", make_rc_motor({}, true), late},
           {"voltage drive", make_voltage_driven_motor(0.5), prompt},
+          {"wave drive", make_wave_motor(), prompt},
+          {"wave drive, 1.3 periods late", make_wave_motor(), late},
+          {"wave drive, winding cancelled to a tenth", make_wave_motor({.R_c = 1.854}), prompt},
           {"compliant, sensor at port", compliant(SensorLocation::port), prompt},
           {"compliant, sensor at motor", compliant(SensorLocation::motor), prompt},
           {"compliant, sensor at motor, late", compliant(SensorLocation::motor), late}};
