@@ -1,5 +1,6 @@
 #include "gyrator/controllers/wave_controller.hpp"
 #include "gyrator/cosim/sampled_plant.hpp"
+#include "gyrator/mechanics/stability.hpp"
 #include "gyrator/passivity/verdict.hpp"
 
 #include <algorithm>
@@ -104,6 +105,19 @@ TEST(WavePassivity, a_line_that_amplifies_has_a_limit_and_both_of_its_sides_are_
       EXPECT_NEAR(beyond.counterexample->frequency_hz, limit.worst_frequency_hz,
                   0.1 * limit.worst_frequency_hz);
     }
+  }
+}
+
+TEST(WavePassivity,
+     cancelling_more_than_the_winding_breaks_the_line_though_the_drive_alone_is_stable) {
+  for (const double cancelled : {0.99, 1.02}) {
+    const Device device = make_wave_display(cancelled);
+    EXPECT_NO_THROW(require_stable_device(device));
+    const WaveController wave = make_wave_controller(device, WaveWall{0.05, 0});
+    const Verdict verdict = judge_passivity({device, wave, one_ms, 0}, false);
+    EXPECT_TRUE(verdict.device_passive) << "Re Z > 0 at the port";
+    EXPECT_EQ(verdict.passive, cancelled < 1);
+    EXPECT_EQ(verdict.uncoupled_spectral_radius > 1 + stability_tolerance, cancelled > 1);
   }
 }
 

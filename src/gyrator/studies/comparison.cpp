@@ -30,9 +30,7 @@ json finite_or_null(double value) {
 }
 
 StiffnessLimits make_limits(const Model& model) {
-  const auto* wall = std::get_if<VirtualWall>(&model.controller);
-  return {model.device, model.sampling, wall ? wall->velocity : DifferenceEstimator{},
-          model.held_by};
+  return {model.device, model.sampling, model.controller, model.held_by};
 }
 
 Device in_free_air(Device device) {
