@@ -158,6 +158,11 @@ inline std::vector<NamedDevice> make_device_list() {
   resistive.drive.motor->inductance = 0;
   list.push_back({"motor without inductance", resistive});
 
+  Device wave = make_rc_display();
+  wave.drive.amplifier = VoltageAmplifier{.bandwidth_hz = {}, .output_resistance = 0.7};
+  wave.drive.damping = {WaveDamping{.impedance = 5e-4}};
+  list.push_back({"wave drive, position sensed", wave});
+
   Device high_pass = make_p3();
   high_pass.drive.damping.push_back(HighPassDamper{.inertia = 0.02, .damping = 2});
   list.push_back({"high-pass damper", high_pass});

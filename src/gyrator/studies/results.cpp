@@ -191,7 +191,6 @@ json make_passivity_result(const Model& model, const PassivityRequest& request) 
 }
 
 std::vector<double> choose_damping_range(const Model& model, int points) {
-  StiffnessLimits limits(model.device, model.sampling, model.controller, model.held_by);
   // Behind a wave line every B >= 0 is passive, and none below -b_w has a law.
   if (const auto* wave = std::get_if<WaveController>(&model.controller)) {
     std::vector<double> damping;
@@ -199,6 +198,7 @@ std::vector<double> choose_damping_range(const Model& model, int points) {
       damping.push_back(wave->impedance * (-0.5 + 2.0 * i / std::max(1, points - 1)));
     return damping;
   }
+  StiffnessLimits limits(model.device, model.sampling, model.controller, model.held_by);
   const double b = limits.disk().model().at(limits.grid().front()).impedance.real();
   const auto feasible = [&](double damping) {
     return naming_file(model, [&] { return limits.find(Criterion::exact_disk, damping).feasible; });
