@@ -37,13 +37,38 @@ std::array<QuadratureNode, Points> gauss_nodes(double from, double to) {
   return nodes;
 }
 
-// Fastest resonance: real poles vary as smoothly as 1/w and need no direct terms.
-double find_fastest_resonance(const Eigen::VectorXcd& poles) {
+bool is_resonance(Complex pole) {
+  return std::abs(pole.imag()) > 0.3 * std::abs(pole);
+}
+
+// Fastest resonance that the sampling cannot take for smooth: real poles, and resonances as wide as
+// a few sampling frequencies (an operational amplifier's), need no direct terms.
+double find_fastest_resonance(const Eigen::VectorXcd& poles, double sampling_frequency) {
+  constexpr double smooth_width = 4;  // in sampling frequencies
   double fastest = 0;
   for (const auto& pole : poles) {
-    if (std::abs(pole.imag()) > 0.3 * std::abs(pole)) fastest = std::max(fastest, std::abs(pole));
+    const bool narrow = std::abs(pole.real()) < smooth_width * sampling_frequency;
+    if (is_resonance(pole) && narrow) fastest = std::max(fastest, std::abs(pole));
   }
   return fastest;
+}
+
+// Edges of the tail's quadrature panels, in ln w: even ones, and close ones about every resonance.
+std::vector<double> make_panels(double from, double to, const Eigen::VectorXcd& poles) {
+  constexpr double widest = 0.6;
+  std::vector<double> edges;
+  const auto count = static_cast<int>(std::ceil(std::log(to / from) / widest));
+  for (int i = 0; i <= count; ++i)
+    edges.push_back(std::log(from) + i * std::log(to / from) / count);
+  for (const auto& pole : poles) {
+    if (!is_resonance(pole) || pole.imag() < 0) continue;
+    for (const double widths : {-9.0, -3.0, -1.0, 0.0, 1.0, 3.0, 9.0}) {
+      const double edge = pole.imag() + widths * std::abs(pole.real());
+      if (edge > from && edge < to) edges.push_back(std::log(edge));
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  return edges;
 }
 
 }  // namespace
@@ -53,7 +78,8 @@ AliasedDisk::AliasedDisk(const Device& device, const Sampling& sampling)
   split_ = split_delay(sampling);
   whole_delay_ = split_.rest == 0;
   const double sampling_frequency = 2 * std::numbers::pi / period_;
-  const double beyond_resonance = 2 * find_fastest_resonance(model_.poles()) / sampling_frequency;
+  const double beyond_resonance =
+      2 * find_fastest_resonance(model_.poles(), sampling_frequency) / sampling_frequency;
   aliases_ = std::clamp(static_cast<int>(std::min(beyond_resonance, 1e6)) + 1,
                         whole_delay_ ? fewest_aliases : fewest_aliases_oscillating, most_aliases);
   least_.value = infinity;
@@ -104,11 +130,10 @@ void AliasedDisk::prepare_tail() {
   const double fastest = model_.poles().size() > 0 ? model_.poles().cwiseAbs().maxCoeff() : 0;
   far_omega_ = 1e3 * std::max(tail_start_, fastest);
   // sum over n -> (1/w_s) integral of g(w)/w^2 dw; in t = ln w the integrand is g/w.
-  const int panels = static_cast<int>(std::ceil(std::log(far_omega_ / tail_start_) / 0.6));
-  const double width = std::log(far_omega_ / tail_start_) / panels;
-  for (int p = 0; p < panels; ++p) {
-    const double from = std::log(tail_start_) + p * width;
-    for (const auto& node : gauss_nodes<8>(from, from + width)) {
+  const std::vector<double> edges = make_panels(tail_start_, far_omega_, model_.poles());
+  for (std::size_t p = 0; p + 1 < edges.size(); ++p) {
+    if (!(edges[p + 1] > edges[p])) continue;
+    for (const auto& node : gauss_nodes<8>(edges[p], edges[p + 1])) {
       const double omega = std::exp(node.x);
       Term term = make_term(omega);
       term.radius_weight = node.weight / omega / sampling_frequency;

@@ -59,6 +59,7 @@ constexpr double widest_file = 160;  // pixels; a longer name is cut
 struct DampingParts {
   Diagram& diagram;
   const Terms& terms;
+  const Drive& drive;
   std::string index;  // "_1"
 
   void operator()(const ResistorDamping& d) const {
@@ -94,6 +95,17 @@ struct DampingParts {
     diagram.in_series.push_back(
         {{Symbol::controlled_voltage, "resistance cancellation", "−R_c", {ohms(d.resistance)}},
          block});
+  }
+
+  // Drawn with what the amplifier's own output resistance leaves of it.
+  void operator()(const WaveDamping& d) const {
+    double resistance = drive.motor->torque_constant * drive.motor->torque_constant / d.impedance;
+    if (const auto* amplifier = std::get_if<VoltageAmplifier>(&drive.amplifier))
+      resistance -= amplifier->output_resistance;
+    diagram.amplifier_output.push_back({Symbol::resistor,
+                                        "source resistance of the waves",
+                                        "R_w",
+                                        {ohms(resistance), terms.damping(d.impedance)}});
   }
 
   void operator()(const BackEmfDamping& d) const {
@@ -201,6 +213,18 @@ struct ControllerLines {
     if (wall.unilateral) lines.push_back(wall.no_pull ? "unilateral, no pull" : "unilateral");
     return lines;
   }
+
+  BlockText operator()(const WaveController& wave) const {
+    BlockText lines{"wave line"};
+    if (const auto* wall = std::get_if<WaveWall>(&wave.environment)) {
+      lines.push_back("K " + terms.stiffness(wall->stiffness));
+      lines.push_back("B " + terms.damping(wall->damping));
+      if (wall->unilateral) lines.emplace_back("unilateral");
+    } else {
+      lines.emplace_back("matched end");
+    }
+    return lines;
+  }
 };
 
 // ---- Operators --------------------------------------------------------------------------------
@@ -284,6 +308,8 @@ ComputerParts describe_computer(const Model& model, const Terms& terms) {
   const bool held = find_held_impedance(model.device) != nullptr;
   ComputerParts parts;
   if (held) parts.sampled = Sampled::nothing;
+  if (std::holds_alternative<WaveController>(model.controller))
+    parts.sampled = Sampled::terminal_voltage;
   parts.period = "T " + seconds(model.sampling.period);
   parts.blocks.push_back(std::visit(ControllerLines{terms, held}, model.controller));
   if (model.sampling.delay > Rational(0))
@@ -320,7 +346,8 @@ Diagram describe_device(const Model& model) {
       device.sensor == SensorLocation::motor && device.mechanics.transmission.has_value();
   std::visit(AmplifierParts{diagram, terms}, device.drive.amplifier);
   for (std::size_t i = 0; i < device.drive.damping.size(); ++i)
-    std::visit(DampingParts{diagram, terms, fmt::format("_{}", i + 1)}, device.drive.damping[i]);
+    std::visit(DampingParts{diagram, terms, device.drive, fmt::format("_{}", i + 1)},
+               device.drive.damping[i]);
   if (device.drive.motor) diagram.motor = describe_motor(*device.drive.motor, terms);
   describe_mechanics(diagram, device.mechanics, terms);
   diagram.computer = describe_computer(model, terms);

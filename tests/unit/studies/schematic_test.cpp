@@ -35,6 +35,7 @@ const std::vector<Damping>& every_damping() {
       NetlistDamping{parse_subcircuit("* r\n.subckt a_subcircuit_with_a_long_name 1 2\nR1 1 2 5\n"
                                       ".ends\n",
                                       "a folder/a file with a very long name.cir", "")},
+      WaveDamping{.impedance = 1.23456e-4},
   };
   return list;
 }
@@ -43,7 +44,8 @@ const std::vector<Damping>& every_damping() {
 bool stands_alone(const Damping& damping) {
   return std::holds_alternative<ResistanceCancellation>(damping) ||
          std::holds_alternative<BackEmfDamping>(damping) ||
-         std::holds_alternative<HeldImpedance>(damping);
+         std::holds_alternative<HeldImpedance>(damping) ||
+         std::holds_alternative<WaveDamping>(damping);
 }
 
 // None, each alone, every two, and all at once.
@@ -82,7 +84,9 @@ std::vector<Controller> make_controllers() {
   filtered.unilateral = filtered.no_pull = true;
   VirtualWall windowed{.stiffness = 0.4, .damping = 1.5e-4};
   windowed.velocity = DifferenceEstimator{.window = 12};
-  return {NoController{}, VirtualWall{.stiffness = 0.4}, filtered, windowed};
+  const WaveController wave{.environment = WaveWall{.stiffness = 123456, .damping = 1.5e-4}};
+  return {NoController{},  VirtualWall{.stiffness = 0.4}, filtered, windowed, wave,
+          WaveController{}};
 }
 
 Model make_model(const Device& device) {
