@@ -30,8 +30,8 @@ std::string in_unit(const nlohmann::json& value, const Unit& unit) {
 std::string describe_change(const nlohmann::json& changed, const nlohmann::json& nominal) {
   if (!changed["stable"].get<bool>()) return "unstable";
   const auto& now = changed["max_stiffness"];
-  if (now.is_null() || nominal.is_null()) return "-";
-  if (nominal.get<double>() == 0) return "-";
+  if (now.is_null()) return "unbounded";
+  if (nominal.is_null() || nominal.get<double>() == 0) return "-";
   return fmt::format("x {:.3f}", now.get<double>() / nominal.get<double>());
 }
 
@@ -41,7 +41,7 @@ std::string describe(const nlohmann::json& result, const MotionUnits& units) {
     width = std::max(width, d["name"].get<std::string>().size());
   const double step = result["temperature_step"];
   std::string text = fmt::format(
-      "{:<{}}  {:>14}  {:>14}  {:>19}  {:>19}  {:>19}  {:>15}  {:>9}  {:>9}\n", "design", width,
+      "{:<{}}  {:>14}  {:>14}  {:>19}  {:>19}  {:>19}  {:>15}  {:>10}  {:>10}\n", "design", width,
       "K at B = 0", "largest K", "at B", "damping at 1 Hz", "at 100 Hz", "inertia felt",
       fmt::format("K, -{:g} K", step), fmt::format("K, +{:g} K", step));
   for (const auto& d : result["designs"]) {
@@ -53,7 +53,7 @@ std::string describe(const nlohmann::json& result, const MotionUnits& units) {
     const bool has_zero = at_zero < static_cast<std::ptrdiff_t>(d["damping"].size());
     const auto index = static_cast<std::size_t>(at_zero);
     text += fmt::format(
-        "{:<{}}  {:>14}  {:>14}  {:>19}  {:>19}  {:>19}  {:>15}  {:>9}  {:>9}\n",
+        "{:<{}}  {:>14}  {:>14}  {:>19}  {:>19}  {:>19}  {:>15}  {:>10}  {:>10}\n",
         d["name"].get<std::string>(), width,
         !has_zero                           ? "-"
         : !d["feasible"][index].get<bool>() ? "none"

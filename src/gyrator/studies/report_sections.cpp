@@ -141,7 +141,9 @@ ReportSection zwidth_section(const json& result) {
 // What is left of the best stiffness at another winding temperature.
 HtmlCell change_cell(const json& changed, double nominal) {
   if (!optional_flag(changed, "stable", true)) return {"unstable", "no"};
-  const double ratio = optional_number(changed, "max_stiffness") / nominal;
+  const double now = optional_number(changed, "max_stiffness");
+  if (std::isnan(now)) return {"no limit"};
+  const double ratio = now / nominal;
   if (!std::isfinite(ratio)) return {"–"};
   return {"× " + pretty_number(ratio, 3), "number"};
 }

@@ -115,9 +115,13 @@ Figure comparison_figure(const json& result) {
   std::size_t i = 0;
   for (const auto& design : required(result, "designs", "compare result")) {
     const auto style = i / colours.size() % 2 == 0 ? CurveStyle::line : CurveStyle::dashed;
-    panel.curves.push_back(
-        {optional_text(design, "name"), required_numbers(design, "damping", place),
-         required_numbers(design, "max_stiffness", place), style, colours[i % colours.size()]});
+    auto title = optional_text(design, "name");
+    const auto& limits = required_array(design, "max_stiffness", place);
+    if (std::all_of(limits.begin(), limits.end(), [](const json& k) { return k.is_null(); }))
+      title += ": no limit";
+    panel.curves.push_back({title, required_numbers(design, "damping", place),
+                            required_numbers(design, "max_stiffness", place), style,
+                            colours[i % colours.size()]});
     ++i;
   }
   // Every boundary ends at zero, which a logarithmic axis has no room for: from half of where the

@@ -48,6 +48,10 @@ void SchematicLayout::draw_electrical() {
 // The current sensor, where anything reads it, and what is in series with the winding.
 void SchematicLayout::draw_series() {
   x_ += layout_gap;
+  if (d_.computer.sampled == Sampled::terminal_voltage) {
+    terminal_x_ = x_ = std::max(x_, computer_end());
+    x_ += layout_gap;
+  }
   bool sensed = false;
   for (const SeriesPart& s : d_.in_series) sensed = sensed || !s.feedback.empty();
   for (std::size_t k = 0; k < d_.feedback.size(); ++k) {
@@ -64,7 +68,6 @@ void SchematicLayout::draw_series() {
   }
   for (const SeriesPart& s : d_.in_series) draw_series_part(s);
   x_ += layout_gap;
-  if (d_.computer.sampled == Sampled::terminal_voltage) x_ = std::max(x_, computer_end());
   voltage_x_ = x_;
 }
 

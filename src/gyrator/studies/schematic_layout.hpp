@@ -62,8 +62,8 @@ class SchematicLayout {
   double rail_from_ = -1;               // end of the upper rail so far; below 0: none yet
   double return_from_ = -1;             // beginning of the lower rail, likewise
   double riser_x_ = 0, command_end_ = 0;
-  double current_x_ = 0, voltage_x_ = 0, sensor_x_ = 0;  // taps
-  std::vector<double> branch_x_;                         // of each branch at the port
+  double terminal_x_ = 0, current_x_ = 0, voltage_x_ = 0, sensor_x_ = 0;  // taps
+  std::vector<double> branch_x_;  // of each branch at the port
   Point gains_to_;
   double height_ = 0;
 };

@@ -163,7 +163,7 @@ double SchematicLayout::draw_sampler_in(double right) {
   } else {
     Point tap{sensor_x_, middle_ + block_height(d_.sensor) / 2};
     if (d_.computer.sampled == Sampled::terminal_voltage) {
-      tap = {voltage_x_, top_};
+      tap = {terminal_x_, top_};
       draw_junction(canvas_, tap, Ink::signal);
     }
     canvas_.draw_line({tap, {tap.x, y}, {from, y}}, Ink::signal);
