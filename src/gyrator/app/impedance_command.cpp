@@ -12,6 +12,7 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
+#include "linear_range_text.hpp"
 #include "stability_text.hpp"
 #include "usage_errors.hpp"
 
@@ -76,7 +77,7 @@ std::string describe(const Model& model, const nlohmann::json& result, bool verb
         "plot.\n",
         frequency.size());
   }
-  return text + describe_stability_edges(model, result);
+  return text + describe_linear_range(model, result) + describe_stability_edges(model, result);
 }
 
 void run(const Options& options) {

@@ -9,6 +9,7 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
+#include "linear_range_text.hpp"
 #include "stability_text.hpp"
 
 namespace gyrator::app {
@@ -133,7 +134,7 @@ std::string describe(const Model& model, const nlohmann::json& result, const Opt
                           format_quantity(result["extra_damping"], units.damping));
     }
   }
-  return text + describe_stability_edges(model, result);
+  return text + describe_linear_range(model, result) + describe_stability_edges(model, result);
 }
 
 void run(const Options& options, int& exit_code) {

@@ -17,7 +17,7 @@ namespace {
 
 struct Options {
   CommonOptions common;
-  std::string engine = "exact";
+  std::string engine;
   std::string duration, trace_step;
   double tolerance = 1e-9;
   long max_steps = 100000;
@@ -46,10 +46,13 @@ std::string describe_outcome(const nlohmann::json& result, const MotionUnits& un
 std::string describe(const Model& model, const nlohmann::json& result, bool verbose) {
   const MotionUnits& units = units_of(model.device.motion);
   const auto& e = result["energy"];
-  std::string text =
-      fmt::format("{}: {}\n{} samples, {:g} s, engine {}\n\nenergy ledger [J]\n", model.name,
-                  describe_outcome(result, units), result["steps"].get<long>(),
-                  result["final_time_s"].get<double>(), result["engine"].get<std::string>());
+  std::string text = fmt::format(
+      "{}: {}\n{} samples, {:g} s, engine {}{}\n\nenergy ledger [J]\n", model.name,
+      describe_outcome(result, units), result["steps"].get<long>(),
+      result["final_time_s"].get<double>(), result["engine"].get<std::string>(),
+      result["nonlinear_element"].is_null()
+          ? ""
+          : fmt::format(" ({} is not linear)", result["nonlinear_element"].get<std::string>()));
   const auto row = [&](const char* name, double value) {
     text += fmt::format("  {:<34}{:>14.6g}\n", name, value);
   };
@@ -73,7 +76,7 @@ std::string describe(const Model& model, const nlohmann::json& result, bool verb
 void run(const Options& options) {
   check_outputs(options.common);
   SimulationRequest request;
-  request.engine = parse_engine(options.engine);
+  if (!options.engine.empty()) request.engine = parse_engine(options.engine);
   request.engine_options.relative_tolerance = options.tolerance;
   request.engine_options.max_steps = options.max_steps;
   if (!options.duration.empty())
@@ -99,9 +102,10 @@ void add_simulate_command(CLI::App& app, int&) {
                      "gyrator simulate examples/rc_display.json --csv trace.csv --png trace.png");
   command
       ->add_option("--engine", options->engine,
-                   "exact (matrix exponentials), cvode (reference) or odeint")
-      ->capture_default_str()
-      ->type_name("NAME");
+                   "exact (matrix exponentials, linear models only), cvode (reference) or odeint; "
+                   "by default exact where the model is linear, cvode where not")
+      ->type_name("NAME")
+      ->check(not_empty());
   command->add_option("--duration", options->duration, "Simulated time instead of the model's")
       ->type_name("TIME")
       ->check(not_empty());

@@ -12,6 +12,7 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
+#include "linear_range_text.hpp"
 #include "usage_errors.hpp"
 
 namespace gyrator::app {
@@ -91,7 +92,7 @@ std::string describe(const Model& model, const nlohmann::json& result, bool verb
         "plot.\n",
         rows);
   }
-  return text;
+  return text + describe_linear_range(model, result);
 }
 
 void run(const Options& options) {

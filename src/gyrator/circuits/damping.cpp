@@ -130,6 +130,10 @@ void add_mechanical(DriveParts& parts, const Damping& damping, const std::string
                    parts.network.add(name + ".damping", parts.nodes.port, ground,
                                      Conductance{d.damping});
                  },
+                 [&](const FrictionBrake& d) {
+                   parts.network.add(name + ".brake", parts.nodes.port, ground,
+                                     SaturatingConductance{d.damping, d.effort});
+                 },
                  [](const auto&) {},
              },
              damping);
@@ -154,6 +158,8 @@ void add_across(DriveParts& parts, const Damping& damping, const std::string& na
   } else if (const auto* netlist = std::get_if<NetlistDamping>(&damping)) {
     check_two_terminals(netlist->circuit);
     add_subcircuit(network, netlist->circuit, name, {terminal, ground});
+  } else if (const auto* clamp = std::get_if<ClampDamping>(&damping)) {
+    network.add(name + ".clamp", terminal, ground, VoltageClamp{clamp->voltage, clamp->resistance});
   }
 }
 

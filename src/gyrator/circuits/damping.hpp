@@ -29,6 +29,13 @@ struct NetlistDamping {
   SpiceCircuit circuit;
 };
 
+/// A bidirectional suppressor across the motor terminals: nothing up to `voltage` [V], beyond it
+/// the excess through `resistance` [ohm].
+struct ClampDamping {
+  double voltage = 0;
+  double resistance = 0.1;
+};
+
 // In series with the motor.
 
 /// A voltage that raises with the motor's own current, so that R_m appears as R_m - R_c:
@@ -91,6 +98,13 @@ struct EddyCurrentBrake {
   bool on = true;
 };
 
+/// A friction brake at the port, controlled to imitate a damper up to its holding effort, f = b v
+/// and at most f_c (An and Kwon 2006; 8.6.3).                                   (brake-1)
+struct FrictionBrake {
+  double damping = 0;  ///< b [N.m.s/rad, N.s/m]
+  double effort = 0;   ///< f_c [N.m, N]
+};
+
 /// A damper to a floating inertia [fig. 8.19b]: Re Z tends to 0 at low and to `damping` at high
 /// frequency.
 struct HighPassDamper {
@@ -99,8 +113,8 @@ struct HighPassDamper {
 };
 
 /// The closed list.
-using Damping =
-    std::variant<ResistorDamping, RcDamping, NetlistDamping, ResistanceCancellation, BackEmfDamping,
-                 HeldImpedance, TorqueSensedDamper, EddyCurrentBrake, HighPassDamper, WaveDamping>;
+using Damping = std::variant<ResistorDamping, RcDamping, NetlistDamping, ResistanceCancellation,
+                             BackEmfDamping, HeldImpedance, TorqueSensedDamper, EddyCurrentBrake,
+                             HighPassDamper, WaveDamping, ClampDamping, FrictionBrake>;
 
 }  // namespace gyrator

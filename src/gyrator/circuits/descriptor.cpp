@@ -1,10 +1,12 @@
 #include "gyrator/circuits/descriptor.hpp"
 
+#include "gyrator/circuits/operating_point.hpp"
 #include "gyrator/core/error.hpp"
 
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -21,22 +23,57 @@ bool has_branch_unknown(const ElementLaw& law) {
   return std::holds_alternative<Inductor>(law) || std::holds_alternative<VoltageSource>(law) ||
          std::holds_alternative<VoltageControlledVoltageSource>(law) ||
          std::holds_alternative<CurrentControlledVoltageSource>(law) ||
-         std::holds_alternative<Transformer>(law) || std::holds_alternative<IdealOpAmp>(law);
+         std::holds_alternative<Transformer>(law) || std::holds_alternative<IdealOpAmp>(law) ||
+         std::holds_alternative<ConstantVoltageSource>(law) ||
+         (is_nonlinear(law) &&
+          (kind_of(law) == LawKind::resistance || kind_of(law) == LawKind::voltage_source));
+}
+
+// Nodes whose voltage controls a limited source.
+std::pair<NodeId, NodeId> control_of(const ElementLaw& law) {
+  if (const auto* e = std::get_if<LimitedVoltageControlledVoltageSource>(&law))
+    return {e->control_positive, e->control_negative};
+  const auto& e = std::get<LimitedVoltageControlledCurrentSource>(law);
+  return {e.control_positive, e.control_negative};
 }
 
 }  // namespace
 
-NetworkEquations::NetworkEquations(const Network& network) : network_(network) {
+NetworkEquations::NetworkEquations(const Network& network)
+    : NetworkEquations(network,
+                       network.is_linear() ? std::vector<double>(network.elements().size())
+                                           : find_operating_point(network).slopes,
+                       false) {}
+
+NetworkEquations NetworkEquations::with_ports(const Network& network) {
+  return {network, std::vector<double>(network.elements().size()), true};
+}
+
+NetworkEquations NetworkEquations::with_slopes(const Network& network,
+                                               const std::vector<double>& slopes) {
+  return {network, slopes, false};
+}
+
+NetworkEquations::NetworkEquations(const Network& network, std::vector<double> slopes, bool ported)
+    : network_(network), slopes_(std::move(slopes)), port_input_(slopes_.size(), -1) {
   const auto& elements = network_.elements();
   const auto& nodes = network_.nodes();
   int size = static_cast<int>(nodes.size()) - 1;
   for (const auto& element : elements)
     branch_.push_back(has_branch_unknown(element.law) ? size++ : -1);
+  auto inputs = static_cast<int>(network_.inputs().size());
+  for (std::size_t e = 0; ported && e < elements.size(); ++e) {
+    if (!is_nonlinear(elements[e].law)) continue;
+    port_input_[e] = inputs++;
+    ports_.push_back(make_port(elements[e]));
+    slopes_[e] = ports_.back().companion;
+  }
+  if (ported) constant_input_ = inputs++;
 
   auto& d = descriptor_;
   d.E = Eigen::MatrixXd::Zero(size, size);
   d.A = Eigen::MatrixXd::Zero(size, size);
-  d.B = Eigen::MatrixXd::Zero(size, static_cast<Eigen::Index>(network_.inputs().size()));
+  d.B = Eigen::MatrixXd::Zero(size, inputs);
   d.unknown_names.resize(static_cast<std::size_t>(size));
   d.equation_elements.resize(static_cast<std::size_t>(size));
   for (int node = 1; node < static_cast<int>(nodes.size()); ++node) {
@@ -116,10 +153,7 @@ void NetworkEquations::stamp(ElementId id) {
             stamp_across(branch, p, n, 1);
             if (e.input) d.B(branch, *e.input) = -1;
           },
-          [&](const CurrentSource& e) {
-            if (p != ground) d.B(p.index - 1, e.input) -= 1;
-            if (n != ground) d.B(n.index - 1, e.input) += 1;
-          },
+          [&](const CurrentSource& e) { stamp_input_flow(p, n, e.input, 1); },
           [&](const VoltageControlledVoltageSource& e) {
             stamp_flow(p, n, branch, 1);
             stamp_across(branch, p, n, 1);
@@ -155,8 +189,59 @@ void NetworkEquations::stamp(ElementId id) {
             stamp_flow(p, n, branch, 1);
             stamp_across(branch, e.control_positive, e.control_negative, 1);
           },
+          [&](const ConstantVoltageSource& e) {
+            stamp_flow(p, n, branch, 1);
+            stamp_across(branch, p, n, 1);
+            if (constant_input_ >= 0) d.B(branch, constant_input_) = -e.voltage;
+          },
+          [&](const ConstantCurrentSource& e) {
+            if (constant_input_ >= 0) stamp_input_flow(p, n, constant_input_, e.current);
+          },
+          [&](const auto&) { stamp_port(id); },
       },
       element.law);
+}
+
+void NetworkEquations::stamp_input_flow(NodeId positive, NodeId negative, int input,
+                                        double factor) {
+  if (positive != ground) descriptor_.B(positive.index - 1, input) -= factor;
+  if (negative != ground) descriptor_.B(negative.index - 1, input) += factor;
+}
+
+// slope * y of a nonlinear law; what is left of it is the port's input.
+void NetworkEquations::stamp_port(ElementId id) {
+  const Element& element = network_.element(id);
+  const NodeId p = element.positive;
+  const NodeId n = element.negative;
+  const LawKind kind = kind_of(element.law);
+  const double slope = slopes_[static_cast<std::size_t>(id.index)];
+  const int port = port_input_[static_cast<std::size_t>(id.index)];
+  if (const int branch = branch_of(id); branch >= 0) {  // 0 = v - slope y - w
+    stamp_flow(p, n, branch, 1);
+    stamp_across(branch, p, n, 1);
+    descriptor_.A.row(branch) -= slope * argument(id).x;
+    if (port >= 0) descriptor_.B(branch, port) = -1;
+    return;
+  }
+  const auto [a, b] = kind == LawKind::conductance ? std::pair{p, n} : control_of(element.law);
+  if (a != ground) stamp_flow(p, n, a.index - 1, slope);
+  if (b != ground) stamp_flow(p, n, b.index - 1, -slope);
+  if (port >= 0) stamp_input_flow(p, n, port, 1);
+}
+
+LinearForm NetworkEquations::argument(ElementId id) const {
+  const Element& element = network_.element(id);
+  switch (kind_of(element.law)) {
+    case LawKind::conductance:
+      return across(id);
+    case LawKind::resistance:
+      return through(id);
+    case LawKind::voltage_source:
+    case LawKind::current_source:
+      break;
+  }
+  const auto [a, b] = control_of(element.law);
+  return across(a, b);
 }
 
 LinearForm NetworkEquations::across(NodeId positive, NodeId negative) const {
@@ -191,7 +276,16 @@ LinearForm NetworkEquations::through(ElementId id) const {
             form.x = across(e.second_positive, e.second_negative).x * e.transconductance;
           },
           [&](const MutualInductance&) {},  // carries none of its own
-          [&](const auto&) {
+          [&](const ConstantCurrentSource& e) {
+            if (constant_input_ >= 0) form.u(constant_input_) = e.current;
+          },
+          [&](const auto& law) {
+            if (is_nonlinear(law)) {
+              const int port = port_input_[static_cast<std::size_t>(id.index)];
+              form.x = argument(id).x * slopes_[static_cast<std::size_t>(id.index)];
+              if (port >= 0) form.u(port) = 1;
+              return;
+            }
             throw Error(ErrorCode::bad_input, element.name,
                         "the current of a capacitor is the derivative of an unknown: put an "
                         "ammeter in series");

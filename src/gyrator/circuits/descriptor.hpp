@@ -1,6 +1,7 @@
 #pragma once
 
 #include "gyrator/circuits/network.hpp"
+#include "gyrator/circuits/nonlinear_law.hpp"
 
 #include <complex>
 #include <string>
@@ -33,28 +34,49 @@ struct LinearForm {
 /// The network together with its equations; the forms name what can be read from them.
 class NetworkEquations {
  public:
+  /// Nonlinear elements have their slope at the operating point, and constant sources are at rest:
+  /// the equations of small deviations from it. Throws as find_operating_point().
   explicit NetworkEquations(const Network& network);
+
+  /// The whole network for large signals. Nonlinear elements have their companion, what is left of
+  /// their laws are inputs of their own, and one more input is 1 and drives the constant sources:
+  /// u = [inputs of the network; one per port; 1].
+  static NetworkEquations with_ports(const Network& network);
+
+  /// With a given slope of each element's law (those of linear ones are not looked at).
+  static NetworkEquations with_slopes(const Network& network, const std::vector<double>& slopes);
 
   const Network& network() const { return network_; }
   const Descriptor& descriptor() const { return descriptor_; }
+  /// In the order of their elements; none unless made by with_ports().
+  const std::vector<NonlinearPort>& ports() const { return ports_; }
 
   LinearForm across(NodeId positive, NodeId negative = ground) const;
   LinearForm across(ElementId element) const;
   /// The through quantity, of any element but a capacitor (which would need dx/dt).
   /// Throws bad_input for one.
   LinearForm through(ElementId element) const;
+  /// What a nonlinear element's law is a function of.
+  LinearForm argument(ElementId element) const;
 
  private:
+  NetworkEquations(const Network& network, std::vector<double> slopes, bool ported);
+  void stamp_port(ElementId id);
   int branch_of(ElementId element) const {
     return branch_[static_cast<std::size_t>(element.index)];
   }
   void stamp(ElementId id);
   void stamp_flow(NodeId positive, NodeId negative, int column, double factor);
+  void stamp_input_flow(NodeId positive, NodeId negative, int input, double factor);
   void stamp_across(int row, NodeId positive, NodeId negative, double factor);
 
   Network network_;
   Descriptor descriptor_;
-  std::vector<int> branch_;  ///< index of the branch unknown of each element, or -1
+  std::vector<int> branch_;     ///< index of the branch unknown of each element, or -1
+  std::vector<double> slopes_;  ///< of each nonlinear element
+  std::vector<NonlinearPort> ports_;
+  std::vector<int> port_input_;  ///< column of each element's port, or -1
+  int constant_input_ = -1;      ///< column of the constant sources, or -1
 };
 
 /// Frequency response straight from the descriptor, (sE - A)^-1 B, one column per input.

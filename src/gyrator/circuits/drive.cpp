@@ -34,14 +34,47 @@ void add_motor(DriveParts& parts, const Drive& drive) {
     inner = network.add_node("motor.inner", Domain::electrical);
     network.add("motor.inductance", inner, emf, Inductor{motor.inductance});
   }
-  network.add("motor.resistance", parts.winding, inner, Resistor{motor.warm_resistance()});
+  if (motor.thermal) {
+    network.add(
+        "motor.resistance", parts.winding, inner,
+        ThermalResistor{motor.resistance, motor.temperature_coefficient, motor.thermal->resistance,
+                        motor.thermal->capacity, motor.temperature_rise});
+  } else {
+    network.add("motor.resistance", parts.winding, inner, Resistor{motor.warm_resistance()});
+  }
   network.add("motor.torque_constant", emf, ground,
               Transformer{motor.torque_constant, parts.nodes.shaft, ground});
+}
+
+// What the amplifier is asked for, in its output's unit and bounded. Returns the gain that is left.
+double add_limit(DriveParts& parts, const std::string& name, double gain,
+                 const std::optional<double>& limit) {
+  if (!limit) return gain;
+  const NodeId bounded = parts.network.add_node(name, Domain::electrical);
+  parts.network.add(name, bounded, ground,
+                    LimitedVoltageControlledVoltageSource{gain, *limit, parts.command, ground},
+                    Role::signal);
+  parts.command = bounded;
+  return 1;
+}
+
+// Returns the ammeter of what flows into the rails.
+ElementId add_rails(DriveParts& parts, double voltage) {
+  Network& network = parts.network;
+  const NodeId rail = network.add_node("amplifier.rail", Domain::electrical);
+  const ElementId ammeter = network.add("amplifier.rail.ammeter", *parts.taps.terminal, rail,
+                                        VoltageSource{}, Role::supply);
+  network.add("amplifier.voltage_limit", rail, ground, VoltageClamp{voltage, rail_resistance},
+              Role::supply);
+  return ammeter;
 }
 
 void add_current_amplifier(DriveParts& parts, const CurrentAmplifier& amplifier, double gain) {
   Network& network = parts.network;
   const NodeId terminal = *parts.taps.terminal;
+  gain = add_limit(parts, "amplifier.current_limit", gain, amplifier.current_limit);
+  std::optional<ElementId> rails;
+  if (amplifier.voltage_limit) rails = add_rails(parts, *amplifier.voltage_limit);
   if (!amplifier.bandwidth_hz) {
     network.add("amplifier", ground, terminal,
                 VoltageControlledCurrentSource{gain, parts.command, ground});
@@ -62,6 +95,10 @@ void add_current_amplifier(DriveParts& parts, const CurrentAmplifier& amplifier,
               VoltageControlledCurrentSource{gain, parts.command, ground}, Role::signal);
   network.add("amplifier.loop.sense", current, ground,
               CurrentControlledCurrentSource{1.0, *parts.taps.motor_ammeter}, Role::signal);
+  if (rails) {  // what the rails take must not make the loop ask for more
+    network.add("amplifier.loop.back_calculation", current, ground,
+                CurrentControlledCurrentSource{1.0, *rails}, Role::signal);
+  }
   network.add("amplifier", ground, terminal, VoltageControlledCurrentSource{1.0, current, ground});
 }
 
@@ -87,10 +124,19 @@ std::optional<WaveResistor> find_wave_resistor(const Drive& drive,
 void add_voltage_amplifier(DriveParts& parts, const Drive& drive, const VoltageAmplifier& amplifier,
                            double gain) {
   Network& network = parts.network;
+  const double volts_per_command = gain;
+  const double volts_per_command = gain;
+  gain = add_limit(parts, "amplifier.voltage_limit", gain, amplifier.voltage_limit);
   const NodeId wanted = amplifier.bandwidth_hz ? add_lag(network, "amplifier.loop", parts.command,
                                                          *amplifier.bandwidth_hz)
                                                : parts.command;
   NodeId output = *parts.taps.terminal;
+  if (amplifier.current_limit) {
+    const NodeId limited = network.add_node("amplifier.limiter", Domain::electrical);
+    network.add("amplifier.current_limit", limited, output,
+                CurrentLimiter{*amplifier.current_limit, limiter_resistance}, Role::supply);
+    output = limited;
+  }
   const auto add_behind = [&](const char* node, const std::string& name, double resistance) {
     if (!(resistance > 0)) return;
     const NodeId behind = network.add_node(node, Domain::electrical);
@@ -105,7 +151,7 @@ void add_voltage_amplifier(DriveParts& parts, const Drive& drive, const VoltageA
   network.add("amplifier", output, ground, VoltageControlledVoltageSource{gain, wanted, ground});
   if (!wave) return;
   parts.taps.source = output;
-  parts.taps.volts_per_command = gain;
+  parts.taps.volts_per_command = volts_per_command;
 }
 
 // An ideal loop around the winding's current delivers on top whatever a branch across the motor
@@ -122,7 +168,8 @@ bool is_across(const Damping& damping) {
 }
 
 bool needs_motor(const Damping& damping) {
-  return is_across(damping) || std::holds_alternative<ResistanceCancellation>(damping) ||
+  return is_across(damping) || std::holds_alternative<ClampDamping>(damping) ||
+         std::holds_alternative<ResistanceCancellation>(damping) ||
          std::holds_alternative<BackEmfDamping>(damping) ||
          std::holds_alternative<WaveDamping>(damping);
 }
@@ -181,6 +228,12 @@ void check_drive(const Drive& drive) {
   if (!drive.motor && !std::holds_alternative<IdealDrive>(drive.amplifier)) {
     throw Error(ErrorCode::bad_input, "amplifier",
                 "an amplifier needs a motor to drive: add the key \"motor\"");
+  }
+  const auto* current = std::get_if<CurrentAmplifier>(&drive.amplifier);
+  if (current && current->voltage_limit && ignores_damping(drive.amplifier)) {
+    throw Error(ErrorCode::bad_input, "amplifier",
+                "voltage_limit with an ideal loop around the motor's current: an ideal loop has no "
+                "voltage of its own; give the amplifier a bandwidth");
   }
   check_at_most_one<ResistanceCancellation>(drive, "resistance_cancellation");
   check_at_most_one<BackEmfDamping>(drive, "back_emf");

@@ -12,6 +12,12 @@ namespace gyrator {
 /// Copper, around room temperature [1/K].
 inline constexpr double copper_temperature_coefficient = 0.00393;
 
+/// How a winding warms: C_th dh/dt = R(h) i² - h/R_th, ambient at the reference temperature.
+struct WindingThermal {
+  double resistance = 0;  ///< R_th [K/W]
+  double capacity = 0;    ///< C_th [J/K]
+};
+
 /// A permanent-magnet motor, rotary or linear. K_t [N.m/A or N/A], R_m [ohm], L_m [H].
 /// The power-conserving two-port e = K_t w, tau = K_t i behind the winding (equations, section 2),
 /// whose resistance follows its temperature, R = R_m (1 + alpha rise).                (motor-1)
@@ -21,6 +27,8 @@ struct Motor {
   double inductance = 0;
   double temperature_coefficient = copper_temperature_coefficient;  ///< alpha [1/K]
   double temperature_rise = 0;  ///< of the winding above the reference temperature [K]
+  /// None: it stays at that rise. With it the rise is where it starts, and the linear tools' own.
+  std::optional<WindingThermal> thermal;
 
   double warm_resistance() const {
     return resistance * (1 + temperature_coefficient * temperature_rise);
@@ -38,16 +46,29 @@ struct IdealDrive {};
 ///
 /// Sensing the motor current inside a damping branch holds the winding's current against the
 /// back-EMF and so removes that branch's damping within the bandwidth (equations, section 3).
+///
+/// `current_limit` [A] bounds the current that is asked for; `voltage_limit` [V] the terminal
+/// voltage: what is too much flows into the supply rails (rail_resistance), and a loop that senses
+/// the motor is kept from winding up by it.
 struct CurrentAmplifier {
   std::optional<double> bandwidth_hz;
   CurrentSense sense = CurrentSense::total;
+  std::optional<double> current_limit, voltage_limit;
 };
 
 /// Voltage amplifier behind `output_resistance` [ohm], first-order with -3 dB at `bandwidth_hz`.
+/// `voltage_limit` [V] bounds the voltage that is asked for; beyond `current_limit` [A] the output
+/// gives way by limiter_resistance per ampere.
 struct VoltageAmplifier {
   std::optional<double> bandwidth_hz;
   double output_resistance = 0;
+  std::optional<double> current_limit, voltage_limit;
 };
+
+/// Small against a winding, so that 10 A of excess lift a rail by 0.1 V [ohm].
+inline constexpr double rail_resistance = 0.01;
+/// Large against a winding, so that 24 V of excess are 24 mA above the limit [ohm].
+inline constexpr double limiter_resistance = 1000;
 
 using Amplifier = std::variant<IdealDrive, CurrentAmplifier, VoltageAmplifier>;
 

@@ -52,7 +52,11 @@ bool is_source(const ElementLaw& law) {
          std::holds_alternative<VoltageControlledCurrentSource>(law) ||
          std::holds_alternative<CurrentControlledVoltageSource>(law) ||
          std::holds_alternative<CurrentControlledCurrentSource>(law) ||
-         std::holds_alternative<IdealOpAmp>(law);
+         std::holds_alternative<IdealOpAmp>(law) ||
+         std::holds_alternative<ConstantVoltageSource>(law) ||
+         std::holds_alternative<ConstantCurrentSource>(law) ||
+         (is_nonlinear(law) &&
+          (kind_of(law) == LawKind::voltage_source || kind_of(law) == LawKind::current_source));
 }
 
 }  // namespace
@@ -77,7 +81,7 @@ EnergyForms build_energy_forms(const NetworkEquations& equations, const Reductio
           outer(row_of(equations.across(element.positive)), row_of(equations.through(id)));
       continue;
     }
-    if (element.role != Role::device) continue;
+    if (element.role != Role::device && element.role != Role::supply) continue;
     const RowVectorXd across = row_of(equations.across(id));
     if (const auto* r = std::get_if<Resistor>(&element.law)) {
       forms.dissipated += outer(across, across) / r->resistance;
@@ -92,7 +96,7 @@ EnergyForms build_energy_forms(const NetworkEquations& equations, const Reductio
       forms.stored += outer(row_of(equations.through(coupling->first)),
                             row_of(equations.through(coupling->second))) *
                       coupling->inductance;
-    } else if (is_source(element.law)) {
+    } else if (is_source(element.law) || element.role == Role::supply) {
       const ReducedForm v = reduction.reduce(equations.across(id));
       const ReducedForm i = reduction.reduce(equations.through(id));
       forms.source -= outer(joined(v.state, v.input), joined(i.state, i.input));
@@ -107,6 +111,8 @@ EnergyForms build_energy_forms(const NetworkEquations& equations, const Reductio
       };
       forms.source_jump -= outer(mean(v), impulse(i));
       forms.source_jump -= outer(mean(i), impulse(v));
+    } else if (is_nonlinear(element.law)) {
+      forms.dissipated += outer(across, row_of(equations.through(id)));
     }
   }
   return forms;

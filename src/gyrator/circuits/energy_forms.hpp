@@ -15,6 +15,8 @@ namespace gyrator {
 ///   dissipated   z' D z   heat in its resistors and dampers [W]
 ///   source       z' P z   power that its sources deliver [W]
 ///   operator     z' H z   power that flows in through the operator's ammeter [W]
+/// A nonlinear element's heat is v i as well, with its port's input among u; what an amplifier's
+/// limits (Role::supply) take back is subtracted from what its sources deliver.
 /// By Tellegen's theorem  z'Pz + z'Hz = d/dt z'Sz + z'Dz; what an integrator leaves of it is
 /// the ledger's residual.
 struct EnergyForms {

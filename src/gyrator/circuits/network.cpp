@@ -1,5 +1,6 @@
 #include "gyrator/circuits/network.hpp"
 
+#include "gyrator/circuits/nonlinear_law.hpp"
 #include "gyrator/core/error.hpp"
 
 #include <algorithm>
@@ -27,6 +28,45 @@ void check_finite(const std::string& element, const char* quantity, double value
   if (std::isfinite(value)) return;
   throw Error(ErrorCode::bad_input, element,
               fmt::format("{} of {:g}: must be finite", quantity, value));
+}
+
+void check_values(const std::string& name, const Diode& e) {
+  check_positive(name, "saturation current", "A", e.saturation_current);
+  check_positive(name, "emission voltage", "V", e.emission_voltage);
+}
+
+void check_values(const std::string& name, const VoltageClamp& e) {
+  check_positive(name, "voltage", "V", e.voltage);
+  check_positive(name, "resistance", "ohm", e.resistance);
+}
+
+void check_values(const std::string& name, const SaturatingConductance& e) {
+  check_positive(name, "conductance", "S", e.conductance);
+  check_positive(name, "limit", "A", e.limit);
+}
+
+void check_values(const std::string& name, const CurrentLimiter& e) {
+  check_positive(name, "current", "A", e.current);
+  check_positive(name, "resistance", "ohm", e.resistance);
+}
+
+void check_values(const std::string& name, const LimitedVoltageControlledVoltageSource& e) {
+  check_finite(name, "gain", e.gain);
+  check_positive(name, "limit", "V", e.limit);
+}
+
+void check_values(const std::string& name, const LimitedVoltageControlledCurrentSource& e) {
+  check_finite(name, "transconductance", e.transconductance);
+  check_positive(name, "limit", "A", e.limit);
+}
+
+void check_values(const std::string& name, const ThermalResistor& e) {
+  check_positive(name, "resistance", "ohm", e.resistance);
+  check_finite(name, "temperature coefficient", e.temperature_coefficient);
+  check_positive(name, "thermal resistance", "K/W", e.thermal_resistance);
+  check_positive(name, "thermal capacity", "J/K", e.thermal_capacity);
+  check_positive(name, "resistance at its initial temperature", "ohm",
+                 e.resistance * (1 + e.temperature_coefficient * e.initial_rise));
 }
 
 }  // namespace
@@ -128,10 +168,17 @@ ElementId Network::add(std::string name, NodeId positive, NodeId negative, Eleme
           [&](const Gyrator& e) { check_finite(name, "transconductance", e.transconductance); },
           [&](const MutualInductance& e) { check_coupling(name, e); },
           [&](const IdealOpAmp&) {},
+          [&](const ConstantVoltageSource& e) { check_finite(name, "voltage", e.voltage); },
+          [&](const ConstantCurrentSource& e) { check_finite(name, "current", e.current); },
+          [&](const auto& nonlinear) { check_values(name, nonlinear); },
       },
       law);
   elements_.push_back({std::move(name), role, positive, negative, law});
-  return {static_cast<int>(elements_.size()) - 1};
+  const ElementId id{static_cast<int>(elements_.size()) - 1};
+  const bool constant = std::holds_alternative<ConstantVoltageSource>(law) ||
+                        std::holds_alternative<ConstantCurrentSource>(law);
+  if (!first_nonlinear_ && (constant || is_nonlinear(law))) first_nonlinear_ = id;
+  return id;
 }
 
 std::optional<ElementId> Network::find_element(std::string_view name) const {

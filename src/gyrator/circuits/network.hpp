@@ -23,9 +23,10 @@ struct ElementId {
 
 enum class Domain { electrical, mechanical };
 
-/// Whose energy an element handles in the ledger: the device's own, the operator's, or
-/// nobody's (a signal inside an amplifier, which carries no physical power).
-enum class Role { device, operator_side, signal };
+/// Whose energy an element handles in the ledger: the device's own, the operator's, nobody's (a
+/// signal inside an amplifier, which carries no physical power), or the amplifier's supply (what
+/// its limits take back counts as not delivered).
+enum class Role { device, operator_side, signal, supply };
 
 // The closed list of element laws. v is the across quantity from the positive to the negative
 // node (voltage [V] or velocity [m/s, rad/s]); i the through quantity flowing from the positive
@@ -95,11 +96,72 @@ struct IdealOpAmp {
   NodeId control_positive, control_negative;
 };
 
+/// v = V, always. Acts from t = 0 on, with the circuit in its steady state at t = 0.
+struct ConstantVoltageSource {
+  double voltage = 0;
+};
+/// i = I, always; as ConstantVoltageSource.
+struct ConstantCurrentSource {
+  double current = 0;
+};
+
+// Nonlinear laws (nonlinear_law.hpp evaluates them). Each is known by its argument y and has value
+// 0 at y = 0; linear tools take its slope at the operating point.
+
+/// i = I_s (exp(v / V_e) - 1), V_e = n k T / q (Shockley 1949). Continued linearly above
+/// v = 50 V_e, where e^50 I_s is far beyond any real current, so that no iterate overflows.
+struct Diode {
+  double saturation_current = 1e-14;   ///< I_s [A]
+  double emission_voltage = 0.025852;  ///< V_e [V]; n = 1 at 300 K
+};
+/// i = 0 for |v| <= V, (v -+ V) / r beyond: a bidirectional suppressor, or a supply's rails.
+struct VoltageClamp {
+  double voltage = 0;     ///< V [V]
+  double resistance = 0;  ///< r [ohm]
+};
+/// i = G v, at most +-I. In the mechanical domain a friction brake that imitates a damper, f = b v
+/// up to its holding effort (equations, section 3; An and Kwon 2006).
+struct SaturatingConductance {
+  double conductance = 0;  ///< G [S, N.s/m, N.m.s/rad]
+  double limit = 0;        ///< I [A, N, N.m]
+};
+/// v = 0 for |i| <= I, r (i -+ I) beyond: in series, it keeps a source's current near its limit.
+struct CurrentLimiter {
+  double current = 0;     ///< I [A]
+  double resistance = 0;  ///< r [ohm]
+};
+/// v = gain * v_control, at most +-limit.
+struct LimitedVoltageControlledVoltageSource {
+  double gain = 0;
+  double limit = 0;  ///< [V]
+  NodeId control_positive, control_negative;
+};
+/// i = transconductance * v_control, at most +-limit.
+struct LimitedVoltageControlledCurrentSource {
+  double transconductance = 0;
+  double limit = 0;  ///< [A]
+  NodeId control_positive, control_negative;
+};
+/// v = R(h) i, R(h) = R_0 (1 + a h), warmed by its own heat:
+///   C_th dh/dt = R(h) i^2 - h / R_th                                         (thermal-1)
+/// h rise above the temperature at which it has R_0, which is also the ambient's. Steady at
+/// constant i for a R_0 i^2 R_th < 1, beyond it runs away.
+struct ThermalResistor {
+  double resistance = 0;               ///< R_0 [ohm]
+  double temperature_coefficient = 0;  ///< a [1/K]
+  double thermal_resistance = 0;       ///< R_th [K/W]
+  double thermal_capacity = 0;         ///< C_th [J/K]
+  double initial_rise = 0;             ///< h at t = 0 and for the linear tools [K]
+};
+
 using ElementLaw =
     std::variant<Resistor, Conductance, Inductor, Capacitor, VoltageSource, CurrentSource,
                  VoltageControlledVoltageSource, VoltageControlledCurrentSource,
                  CurrentControlledVoltageSource, CurrentControlledCurrentSource, Transformer,
-                 Gyrator, MutualInductance, IdealOpAmp>;
+                 Gyrator, MutualInductance, IdealOpAmp, ConstantVoltageSource,
+                 ConstantCurrentSource, Diode, VoltageClamp, SaturatingConductance, CurrentLimiter,
+                 LimitedVoltageControlledVoltageSource, LimitedVoltageControlledCurrentSource,
+                 ThermalResistor>;
 
 struct Element {
   std::string name;
@@ -113,7 +175,7 @@ struct NodeInfo {
   Domain domain = Domain::electrical;
 };
 
-/// A linear network of electrical and mechanical elements, by name.
+/// A network of electrical and mechanical elements, by name.
 ///
 /// Built once, then only read. Values are checked as they come in: a resistance, inductance,
 /// capacitance or conductance must be finite and positive (Error bad_input naming the element).
@@ -136,6 +198,11 @@ class Network {
   std::optional<ElementId> find_element(std::string_view name) const;
   std::optional<NodeId> find_node(std::string_view name) const;
 
+  /// Neither nonlinear laws nor constant sources.
+  bool is_linear() const { return !first_nonlinear_; }
+  /// The first element that makes it nonlinear or biases it; none in a linear network.
+  std::optional<ElementId> find_nonlinear() const { return first_nonlinear_; }
+
   /// Names of the elements that touch a node, for error messages.
   std::vector<std::string> elements_at(NodeId node) const;
 
@@ -149,6 +216,7 @@ class Network {
   std::vector<NodeInfo> nodes_;
   std::vector<Element> elements_;
   std::vector<std::string> inputs_;
+  std::optional<ElementId> first_nonlinear_;
 };
 
 }  // namespace gyrator

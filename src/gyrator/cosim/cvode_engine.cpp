@@ -1,12 +1,14 @@
 #include "gyrator/circuits/state_space.hpp"
 #include "gyrator/core/error.hpp"
 #include "gyrator/cosim/engine.hpp"
+#include "gyrator/mechanics/plant_dynamics.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -24,6 +26,11 @@ namespace {
 // A segment is stiff when its fastest mode has died out many times over before it ends. Then
 // BDF with Newton; otherwise Adams with fixed-point iteration, whose cost is the accuracy's.
 constexpr double stiff_ratio = 40;
+
+// An argument of a nonlinear law is followed to this many tolerances of the size at which it bends,
+// by no less than this part of a state's own tolerance (rounding is near).
+constexpr double looser_than_bend = 1e4;
+constexpr double sharpest_part = 1e-4;
 
 struct CvodeFree {
   void operator()(void* memory) const { CVodeFree(&memory); }
@@ -57,13 +64,19 @@ class CvodeEngine final : public Engine {
         options_(options),
         n_(plant.states()),
         size_(plant.states() + 3),
-        z_(plant.states() + 2),
+        z_(plant.states() + plant.inputs()),
         scales_(plant_) {
     forms_[0] = plant.energy.operator_work;
     forms_[1] = plant.energy.source;
     forms_[2] = plant.energy.dissipated;
-    const Eigen::VectorXcd poles = compute_poles(plant.A);
-    fastest_ = poles.size() > 0 ? poles.cwiseAbs().maxCoeff() : 0;
+    if (plant_.nonlinear) {
+      dynamics_.emplace(plant_);
+      fastest_ = dynamics_->find_fastest_rate();
+      bends_ = dynamics_->find_state_sizes();
+    } else {
+      const Eigen::VectorXcd poles = compute_poles(plant.A);
+      fastest_ = poles.size() > 0 ? poles.cwiseAbs().maxCoeff() : 0;
+    }
     sizes_ = Eigen::VectorXd::Ones(size_);
     y_.reset(N_VNew_Serial(size_, context_));
   }
@@ -79,7 +92,9 @@ class CvodeEngine final : public Engine {
     if (interval <= 0) return;
     if (!memory_) set_up();
     set_sizes(state, u);
-    z_.tail(2) = u;
+    z_.segment(n_, 2) = u;
+    u_ = u;
+    started_ = time;
     double* y = N_VGetArrayPointer(y_.get());
     for (Eigen::Index i = 0; i < n_; ++i) y[i] = state.xi(i);
     for (Eigen::Index i = n_; i < size_; ++i) y[i] = 0;
@@ -126,6 +141,11 @@ class CvodeEngine final : public Engine {
     for (Eigen::Index i = 0; i < size_; ++i) {
       sizes_(i) = i < n_ ? scales_.states()(i) : energy;
     }
+    // Where the rails leave an inductor's current hardly any choice, a small error of it is a large
+    // one of the voltage, and of the energies.
+    for (Eigen::Index i = 0; i < bends_.size(); ++i) {
+      sizes_(i) = std::clamp(looser_than_bend * bends_(i), sharpest_part * sizes_(i), sizes_(i));
+    }
   }
 
   void check(int flag, const char* function, double time) const {
@@ -139,7 +159,7 @@ class CvodeEngine final : public Engine {
   }
 
   // C callbacks. Nothing is thrown through SUNDIALS: an exception is kept and rethrown after.
-  static int right_hand_side(double /*t*/, N_Vector y, N_Vector ydot, void* self_pointer) {
+  static int right_hand_side(double t, N_Vector y, N_Vector ydot, void* self_pointer) {
     auto& self = *static_cast<CvodeEngine*>(self_pointer);
     try {
       const double* state = N_VGetArrayPointer(y);
@@ -147,6 +167,10 @@ class CvodeEngine final : public Engine {
       const Eigen::Index n = self.n_;
       double* z = self.z_.data();
       for (Eigen::Index i = 0; i < n; ++i) z[i] = state[i];
+      if (self.dynamics_) {
+        self.evaluate_nonlinear(t, rate);
+        return 0;
+      }
       const double* a = self.plant_.A.data();
       const double* b = self.plant_.B.data();
       for (Eigen::Index i = 0; i < n; ++i) rate[i] = b[i] * z[n] + b[n + i] * z[n + 1];
@@ -172,9 +196,18 @@ class CvodeEngine final : public Engine {
     }
   }
 
-  static int jacobian(double /*t*/, N_Vector y, N_Vector /*fy*/, SUNMatrix J, void* self_pointer,
+  static int jacobian(double t, N_Vector y, N_Vector /*fy*/, SUNMatrix J, void* self_pointer,
                       N_Vector, N_Vector, N_Vector) {
     auto& self = *static_cast<CvodeEngine*>(self_pointer);
+    if (self.dynamics_) {
+      try {
+        self.fill_nonlinear_jacobian(t, N_VGetArrayPointer(y), J);
+        return 0;
+      } catch (...) {
+        self.failure_ = std::current_exception();
+        return -1;
+      }
+    }
     const Eigen::Index n = self.n_;
     const Eigen::Map<const Eigen::VectorXd> state(N_VGetArrayPointer(y), n);
     self.z_.head(n) = state;
@@ -190,12 +223,47 @@ class CvodeEngine final : public Engine {
     return 0;
   }
 
+  void solve_ports(double t) {
+    xi_ = z_.head(n_);
+    try {
+      z_.tail(plant_.inputs()) = dynamics_->solve(xi_, u_);
+    } catch (const Error& error) {
+      throw Error(error.code(), fmt::format("t = {:.9g} s: {}", started_ + t, error.place()),
+                  error.message());
+    }
+  }
+
+  void evaluate_nonlinear(double t, double* rate) {
+    solve_ports(t);
+    Eigen::Map<Eigen::VectorXd> out(rate, size_);
+    out.head(n_) = dynamics_->rate(xi_);
+    for (std::size_t f = 0; f < 3; ++f) {
+      power_.noalias() = forms_[f] * z_;
+      out(n_ + static_cast<Eigen::Index>(f)) = options_.ledger ? z_.dot(power_) : 0;
+    }
+  }
+
+  void fill_nonlinear_jacobian(double t, const double* y, SUNMatrix J) {
+    z_.head(n_) = Eigen::Map<const Eigen::VectorXd>(y, n_);
+    solve_ports(t);
+    Eigen::Map<Eigen::MatrixXd> out(SUNDenseMatrix_Data(J), size_, size_);
+    out.setZero();
+    out.topLeftCorner(n_, n_) = dynamics_->jacobian(xi_);
+    const Eigen::MatrixXd& dw = dynamics_->port_jacobian();
+    for (std::size_t f = 0; options_.ledger && f < 3; ++f) {
+      power_.noalias() = 2 * (forms_[f] * z_);
+      out.row(n_ + static_cast<Eigen::Index>(f)).head(n_) =
+          power_.head(n_).transpose() + power_.segment(n_ + 2, dw.rows()).transpose() * dw;
+    }
+  }
+
   static int error_weights(N_Vector y, N_Vector weights, void* self_pointer) {
     const auto& self = *static_cast<CvodeEngine*>(self_pointer);
     const double* size = N_VGetArrayPointer(y);
     double* w = N_VGetArrayPointer(weights);
     for (Eigen::Index i = 0; i < self.size_; ++i) {
-      w[i] = 1 / (self.options_.relative_tolerance * std::max(self.sizes_(i), std::abs(size[i])));
+      const double momentary = i < self.bends_.size() ? 0 : std::abs(size[i]);
+      w[i] = 1 / (self.options_.relative_tolerance * std::max(self.sizes_(i), momentary));
     }
     return 0;
   }
@@ -209,8 +277,11 @@ class CvodeEngine final : public Engine {
   EngineOptions options_;
   Eigen::Index n_, size_;
   std::array<Eigen::MatrixXd, 3> forms_;
-  Eigen::VectorXd z_, sizes_;
+  Eigen::VectorXd z_, sizes_, xi_, power_, bends_;
   StateScales scales_;
+  std::optional<PlantDynamics> dynamics_;  ///< of a nonlinear plant
+  Eigen::Vector2d u_ = Eigen::Vector2d::Zero();
+  double started_ = 0;  ///< the segment's start [s]
   double fastest_ = 0;
   double longest_ = 0;
   std::vector<double> intervals_;

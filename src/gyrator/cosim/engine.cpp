@@ -7,6 +7,10 @@
 
 namespace gyrator {
 
+EngineKind choose_engine(const Plant& plant) {
+  return plant.nonlinear ? EngineKind::cvode : EngineKind::exact;
+}
+
 std::unique_ptr<Engine> make_engine(EngineKind kind, const Plant& plant,
                                     const EngineOptions& options) {
   switch (kind) {
@@ -41,23 +45,28 @@ Eigen::VectorXd compute_state_scales(const Plant& plant, double energy, const Ei
   for (Eigen::Index i = 0; i < n; ++i) {
     if (!(scales(i) > 0)) scales(i) = largest > 0 ? largest : 1;
   }
+  if (plant.nonlinear) {
+    for (const auto& thermal : plant.nonlinear->thermal) scales(thermal.state) = 1;  // [K]
+  }
   return scales;
 }
 
 }  // namespace
 
-void StateScales::update(const Eigen::VectorXd& xi, const Eigen::Vector2d& u, double interval) {
+double StateScales::energy_of(const Eigen::VectorXd& xi, const Eigen::Vector2d& u) {
   const Eigen::Index n = plant_.states();
-  z_.resize(n + 2);
-  const auto energy_of = [&](const auto& state) {
-    z_.head(n) = state;
-    z_.tail(2) = u;
-    return z_.dot(plant_.energy.stored * z_);
-  };
-  double energy = energy_of(xi);
+  z_.setZero(n + plant_.inputs());
+  z_.head(n) = xi;
+  z_.segment(n, 2) = u;
+  if (plant_.nonlinear) z_.tail(1)(0) = 1;
+  return z_.dot(plant_.energy.stored * z_);
+}
+
+void StateScales::update(const Eigen::VectorXd& xi, const Eigen::Vector2d& u, double interval) {
+  double energy = energy_of(xi, u);
   if (energy_ == 0) {  // nothing has moved yet: what this segment will bring counts
     const HeldStep step = discretize_held(plant_.A, plant_.B, interval);
-    energy = std::max(energy, energy_of(step.phi * xi + step.gamma * u));
+    energy = std::max(energy, energy_of(step.phi * xi + step.gamma * u, u));
   }
   if (energy > energy_ || states_.size() == 0) {
     energy_ = energy;

@@ -18,7 +18,8 @@ struct PlantState {
 };
 
 /// What moves the plant through a segment of constant input. Three of them, one contract:
-/// `exact` (matrix exponentials), `cvode` (SUNDIALS, the reference), `odeint` (cross-check).
+/// `exact` (matrix exponentials; linear plants only), `cvode` (SUNDIALS, the reference), `odeint`
+/// (cross-check).
 ///
 /// Order of calls: prepare() once for every segment length that will occur, then advance() any
 /// number of times. advance() allocates nothing.
@@ -46,9 +47,13 @@ struct EngineOptions {
   long max_steps = 100000;           ///< of cvode and odeint, per segment
 };
 
+/// The engine that suits a plant: exact where it is linear, cvode where it is not.
+EngineKind choose_engine(const Plant& plant);
+
 std::unique_ptr<Engine> make_engine(EngineKind kind, const Plant& plant,
                                     const EngineOptions& options);
 
+/// Throws bad_input, naming the element, for a plant with a nonlinear part.
 std::unique_ptr<Engine> make_exact_engine(const Plant& plant, const EngineOptions& options);
 std::unique_ptr<Engine> make_cvode_engine(const Plant& plant, const EngineOptions& options);
 std::unique_ptr<Engine> make_odeint_engine(const Plant& plant, const EngineOptions& options);
@@ -66,6 +71,8 @@ class StateScales {
   double energy() const { return energy_; }
 
  private:
+  double energy_of(const Eigen::VectorXd& xi, const Eigen::Vector2d& u);
+
   const Plant& plant_;
   Eigen::VectorXd states_, z_;
   double energy_ = 0;

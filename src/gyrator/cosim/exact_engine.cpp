@@ -1,4 +1,5 @@
 #include "gyrator/circuits/state_space.hpp"
+#include "gyrator/core/error.hpp"
 #include "gyrator/cosim/engine.hpp"
 
 #include <vector>
@@ -99,6 +100,11 @@ class ExactEngine final : public Engine {
 }  // namespace
 
 std::unique_ptr<Engine> make_exact_engine(const Plant& plant, const EngineOptions& options) {
+  if (plant.nonlinear) {
+    throw Error(
+        ErrorCode::bad_input, "engine",
+        "exact: the element " + plant.nonlinear->named_by + " is not linear: use cvode or odeint");
+  }
   return std::make_unique<ExactEngine>(plant, options);
 }
 

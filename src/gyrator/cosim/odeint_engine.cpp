@@ -1,8 +1,10 @@
 #include "gyrator/core/error.hpp"
 #include "gyrator/cosim/engine.hpp"
+#include "gyrator/mechanics/plant_dynamics.hpp"
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include <boost/numeric/odeint.hpp>
@@ -22,8 +24,10 @@ class OdeintEngine final : public Engine {
         options_(options),
         n_(static_cast<std::size_t>(plant.states())),
         y_(n_ + 3),
-        z_(plant.states() + 2),
-        sizes_(plant_) {}
+        z_(plant.states() + plant.inputs()),
+        sizes_(plant_) {
+    if (plant_.nonlinear) dynamics_.emplace(plant_);
+  }
 
   int prepare(double interval) override {
     intervals_.push_back(interval);
@@ -43,8 +47,14 @@ class OdeintEngine final : public Engine {
     const auto rhs = [&](const std::vector<double>& y, std::vector<double>& dydt, double /*t*/) {
       const Eigen::Index n = plant_.states();
       z_.head(n) = Eigen::Map<const Eigen::VectorXd>(y.data(), n).cwiseProduct(scales);
-      z_.tail(2) = u;
-      rate_.noalias() = plant_.A * z_.head(n) + plant_.B * u;
+      if (dynamics_) {
+        xi_ = z_.head(n);
+        z_.tail(plant_.inputs()) = solve_ports(time, u);
+        rate_ = dynamics_->rate(xi_);
+      } else {
+        z_.tail(2) = u;
+        rate_.noalias() = plant_.A * z_.head(n) + plant_.B * u;
+      }
       Eigen::Map<Eigen::VectorXd>(dydt.data(), n) = rate_.cwiseQuotient(scales);
       const auto& e = plant_.energy;
       dydt[n_] = options_.ledger ? z_.dot(e.operator_work * z_) / energy_scale : 0;
@@ -74,6 +84,15 @@ class OdeintEngine final : public Engine {
   }
 
  private:
+  const Eigen::VectorXd& solve_ports(double time, const Eigen::Vector2d& u) {
+    try {
+      return dynamics_->solve(xi_, u);
+    } catch (const Error& error) {
+      throw Error(error.code(), fmt::format("t = {:.9g} s: {}", time, error.place()),
+                  error.message());
+    }
+  }
+
   [[noreturn]] static void give_up(double time, const char* why, long steps) {
     throw Error(
         ErrorCode::numerical, fmt::format("t = {:.9g} s", time),
@@ -88,7 +107,8 @@ class OdeintEngine final : public Engine {
   std::size_t n_;
   std::vector<double> y_;
   std::vector<double> intervals_;
-  Eigen::VectorXd z_, rate_;
+  Eigen::VectorXd z_, rate_, xi_;
+  std::optional<PlantDynamics> dynamics_;
   StateScales sizes_;
 };
 

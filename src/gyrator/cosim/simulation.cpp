@@ -3,9 +3,11 @@
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/interrupt.hpp"
 #include "gyrator/cosim/sampled_plant.hpp"
+#include "gyrator/mechanics/plant_dynamics.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -66,8 +68,9 @@ class Run {
     }
     state_.xi = plant.initial_state(options.initial_position, options.initial_velocity);
     jumps_cost_energy_ = !plant.energy.source_jump.isZero(0);
-    jump_.resize(plant.states() + 4);
-    z_.resize(plant.states() + 2);
+    jump_.resize(plant.states() + 2 * plant.inputs());
+    z_.resize(plant.states() + plant.inputs());
+    if (plant.nonlinear) dynamics_.emplace(plant);
   }
 
   TimeRun go() {
@@ -118,10 +121,24 @@ class Run {
            static_cast<double>(sampling_.period.den());
   }
 
+  // All that the signals and energies are functions of beside ξ, while `command` is held.
+  Eigen::VectorXd inputs_at(double command) {
+    const Eigen::Vector2d u(command, u_(1));
+    if (!dynamics_) return u;
+    return dynamics_->solve(state_.xi, u);
+  }
+
+  // Whether a step of the command shows in a signal at once.
+  bool jumps(const Signal& signal) const {
+    if (signal.input(0) != 0) return true;
+    return plant_.nonlinear && !signal.input.segment(2, signal.input.size() - 3).isZero(0);
+  }
+
   void jump_to(double command) {
     if (command == u_(0)) return;
     if (jumps_cost_energy_ && options_.engine_options.ledger) {
-      jump_ << state_.xi, u_, command, u_(1);
+      before_ = inputs_at(u_(0));
+      jump_ << state_.xi, before_, inputs_at(command);
       state_.source_work += jump_.dot(plant_.energy.source_jump * jump_);
     }
     u_(0) = command;
@@ -163,9 +180,9 @@ class Run {
     names.insert(names.end(), {wave ? "measured_wave_integral" : "measured_position",
                                "held_command", "held_command_after"});
     for (const auto& signal : plant_.others) {
-      if (signal.input(0) != 0) names.push_back(signal.name + "_after");
+      if (jumps(signal)) names.push_back(signal.name + "_after");
     }
-    if (plant_.port_effort.input(0) != 0) names.emplace_back("effort_after");
+    if (jumps(plant_.port_effort)) names.emplace_back("effort_after");
     if (options_.engine_options.ledger) {
       names.insert(names.end(),
                    {"energy_operator", "energy_source", "energy_stored", "energy_dissipated"});
@@ -194,22 +211,28 @@ class Run {
     std::size_t at = 0;
     auto& columns = run_.trace.columns;
     const auto put = [&](double value) { columns[at++].push_back(value); };
-    const auto value = [&](const Signal& s, double held) {
-      return s.state.dot(state_.xi) + s.input(0) * held + s.input(1) * u_(1);
+    if (dynamics_) {
+      before_ = inputs_at(u_(0));
+      after_ = inputs_at(held_after);
+    }
+    const auto value = [&](const Signal& s, bool after) {
+      if (dynamics_) return s.value(state_.xi, after ? after_ : before_);
+      return s.state.dot(state_.xi) + s.input(0) * (after ? held_after : u_(0)) +
+             s.input(1) * u_(1);
     };
     put(time);
-    put(value(plant_.port_position, u_(0)));
-    put(value(plant_.port_velocity, u_(0)));
-    put(value(plant_.port_effort, u_(0)));
+    put(value(plant_.port_position, false));
+    put(value(plant_.port_velocity, false));
+    put(value(plant_.port_effort, false));
     put(command);
-    for (const auto& signal : plant_.others) put(value(signal, u_(0)));
+    for (const auto& signal : plant_.others) put(value(signal, false));
     put(measured);
     put(u_(0));
     put(held_after);
     for (const auto& signal : plant_.others) {
-      if (signal.input(0) != 0) put(value(signal, held_after));
+      if (jumps(signal)) put(value(signal, true));
     }
-    if (plant_.port_effort.input(0) != 0) put(value(plant_.port_effort, held_after));
+    if (jumps(plant_.port_effort)) put(value(plant_.port_effort, true));
     if (options_.engine_options.ledger) {
       put(state_.operator_work);
       put(state_.source_work);
@@ -219,13 +242,19 @@ class Run {
   }
 
   double stored() {
-    z_ << state_.xi, u_;
+    if (dynamics_) {
+      z_ << state_.xi, inputs_at(u_(0));
+    } else {
+      z_ << state_.xi, u_;
+    }
     return z_.dot(plant_.energy.stored * z_);
   }
 
   void check_size(long k) {
     throw_if_interrupted(fmt::format("t = {:g} s", time_at(k)));
-    const double size = state_.xi.cwiseAbs().maxCoeff();
+    const Eigen::Index temperatures =
+        plant_.nonlinear ? static_cast<Eigen::Index>(plant_.nonlinear->thermal.size()) : 0;
+    const double size = state_.xi.head(plant_.states() - temperatures).cwiseAbs().maxCoeff();
     if (k <= samples_between_checks) reference_size_ = std::max(reference_size_, size);
     if (!std::isfinite(size) || (reference_size_ > 0 && size > runaway_ratio * reference_size_)) {
       run_.stopped_early = true;
@@ -280,7 +309,8 @@ class Run {
   bool recording_ = true;
   bool jumps_cost_energy_ = false;
   double reference_size_ = 0;
-  Eigen::VectorXd jump_, z_;
+  Eigen::VectorXd jump_, z_, before_, after_;
+  std::optional<PlantDynamics> dynamics_;  ///< of a nonlinear plant
 };
 
 }  // namespace

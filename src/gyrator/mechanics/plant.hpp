@@ -1,6 +1,7 @@
 #pragma once
 
 #include "gyrator/circuits/energy_forms.hpp"
+#include "gyrator/circuits/port_loop.hpp"
 #include "gyrator/circuits/state_space.hpp"
 #include "gyrator/mechanics/device.hpp"
 
@@ -20,6 +21,23 @@ struct Signal {
   }
 };
 
+/// What a plant with nonlinear elements or constant sources is for large signals:
+///   dξ/dt = A ξ + B U,   y = C ξ + D U,   U = [u; w(y); 1]                      (nl-1)
+/// with the laws cut out of the network as ports (port-1), and of each warming winding
+///   dh/dt = (R(h) i² - h/R_th) / C_th                                           (thermal-1)
+/// as one more state h at the end of ξ.
+struct NonlinearPart {
+  Eigen::MatrixXd A, B, C, D;
+  std::vector<NonlinearPort> ports;
+  struct Thermal {
+    Eigen::Index port = 0, state = 0;
+    ThermalResistor law;
+  };
+  std::vector<Thermal> thermal;
+  Eigen::VectorXd at_rest;  ///< y at the operating point
+  std::string named_by;     ///< element that makes it nonlinear, for messages
+};
+
 /// The continuous plant as an ordinary state space with named ports and signals.
 ///
 ///   dξ/dt = A ξ + B u,   ξ = [reduced network state; positions],  u = [command; external effort]
@@ -29,6 +47,9 @@ struct Signal {
 /// start. One that the network holds already (the deflection of the operator's spring) is read from
 /// it instead of being integrated a second time, so that the loop has no spurious eigenvalue at
 /// one.
+///
+/// With a nonlinear part, A and B are its tangent at the operating point, and signals and energies
+/// are functions of ξ and U.
 struct Plant {
   Eigen::MatrixXd A, B;
   Signal port_position, port_velocity, sensor_position, port_effort;
@@ -36,18 +57,30 @@ struct Plant {
   EnergyForms energy;          ///< in terms of [ξ; u]
   Eigen::MatrixXd
       rest;  ///< initial ξ from (position, velocity) of all inertias, at rest electrically
+  std::optional<NonlinearPart> nonlinear;
+  Eigen::VectorXd bias;  ///< ξ at the operating point; empty for a linear plant
 
   Eigen::Index states() const { return A.rows(); }
+  /// Length of u, or of U.
+  Eigen::Index inputs() const { return nonlinear ? nonlinear->B.cols() : B.cols(); }
   Eigen::VectorXd initial_state(double position, double velocity) const {
-    return rest * Eigen::Vector2d(position, velocity);
+    Eigen::VectorXd xi = rest * Eigen::Vector2d(position, velocity);
+    if (bias.size() > 0) xi += bias;
+    return xi;
   }
 };
 
 /// Name of `sensor_position` where it is no position.
 inline constexpr const char* wave_integral_name = "wave_integral";
 
-/// Throws numerical (naming elements) for a singular network, and where the sensed position
-/// would jump with the command.
+/// The plant of the linear tools: small deviations from the operating point. Throws numerical
+/// (naming elements) for a singular network, and where the sensed position would jump with the
+/// command.
 Plant build_plant(const DeviceNetwork& device);
+
+/// The plant as it moves, whatever the size: with its nonlinear part where the network is not
+/// linear. Throws as build_plant(), and where a law or an energy would need the derivative of a
+/// limited quantity (a saturated voltage source across a bare capacitor).
+Plant build_moving_plant(const DeviceNetwork& device);
 
 }  // namespace gyrator

@@ -30,20 +30,24 @@ double either(const json& object, const char* rotary, const char* linear) {
   return object.contains(rotary) ? object[rotary] : object[linear];
 }
 
+std::optional<double> optional_of(const json& object, const char* key) {
+  if (object[key].is_null()) return std::nullopt;
+  return object[key].get<double>();
+}
+
 Amplifier amplifier_of(const json& a) {
   std::optional<double> bandwidth_hz;
   if (a.contains("bandwidth") && !a["bandwidth"].is_null()) bandwidth_hz = a["bandwidth"];
   if (a["kind"] == "current") {
     return CurrentAmplifier{bandwidth_hz,
-                            a["sense"] == "motor" ? CurrentSense::motor : CurrentSense::total};
+                            a["sense"] == "motor" ? CurrentSense::motor : CurrentSense::total,
+                            optional_of(a, "current_limit"), optional_of(a, "voltage_limit")};
   }
-  if (a["kind"] == "voltage") return VoltageAmplifier{bandwidth_hz, a["output_resistance"]};
+  if (a["kind"] == "voltage") {
+    return VoltageAmplifier{bandwidth_hz, a["output_resistance"], optional_of(a, "current_limit"),
+                            optional_of(a, "voltage_limit")};
+  }
   return IdealDrive{};
-}
-
-std::optional<double> optional_of(const json& object, const char* key) {
-  if (object[key].is_null()) return std::nullopt;
-  return object[key].get<double>();
 }
 
 HighPassDamper high_pass_damper_of(const json& d) {
@@ -66,6 +70,8 @@ Damping damping_of(const json& d, const Motor& motor, const json& controller,
   if (kind == "resistor") return ResistorDamping{d["resistance"]};
   if (kind == "netlist") return netlist_of(d, file);
   if (kind == "rc") return RcDamping{d["resistance"], d["capacitance"]};
+  if (kind == "clamp") return ClampDamping{d["voltage"], d["resistance"]};
+  if (kind == "friction_brake") return FrictionBrake{d["damping"], d["effort"]};
   if (kind == "resistance_cancellation") {
     const auto fraction = optional_of(d, "fraction");
     return ResistanceCancellation{
@@ -93,8 +99,14 @@ Damping damping_of(const json& d, const Motor& motor, const json& controller,
 Drive drive_of(const json& model, const std::string& file) {
   Drive drive;
   if (const json& m = model["motor"]; !m.is_null()) {
-    drive.motor = Motor{either(m, "torque_constant", "force_constant"), m["resistance"],
-                        m["inductance"], m["temperature_coefficient"], m["temperature_rise"]};
+    drive.motor = Motor{either(m, "torque_constant", "force_constant"),
+                        m["resistance"],
+                        m["inductance"],
+                        m["temperature_coefficient"],
+                        m["temperature_rise"],
+                        {}};
+    if (const json& t = m["thermal"]; !t.is_null())
+      drive.motor->thermal = WindingThermal{t["resistance"], t["capacity"]};
   }
   drive.amplifier = amplifier_of(model["amplifier"]);
   for (const auto& damping : model["damping"])

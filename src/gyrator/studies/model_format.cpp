@@ -30,6 +30,21 @@ const MotionTerms rotary_terms{rotary_units, "rotary", "inertia", "load_inertia"
                                "torque_constant"};
 const MotionTerms linear_terms{linear_units, "linear", "mass", "load_mass", "force_constant"};
 
+ObjectSpec thermal_spec() {
+  return {"thermal",
+          "How the winding warms, C_th dh/dt = R i^2 - h/R_th, h its temperature rise.",
+          {
+              member::quantity("resistance", dimension::thermal_resistance)
+                  .required()
+                  .above(0)
+                  .doc("From winding to ambient, R_th."),
+              member::quantity("capacity", dimension::thermal_capacity)
+                  .required()
+                  .above(0)
+                  .doc("Of the winding, C_th."),
+          }};
+}
+
 ObjectSpec motor_spec(const MotionTerms& terms) {
   return {"motor",
           "A permanent-magnet motor: e = K_t w, tau = K_t i behind its winding.",
@@ -54,6 +69,9 @@ ObjectSpec motor_spec(const MotionTerms& terms) {
                   .by_default(0)
                   .doc("How much warmer the winding is than when \"resistance\" was measured; "
                        "negative: colder. The amplifier's scale does not follow it."),
+              member::object("thermal", thermal_spec())
+                  .doc("Absent: the winding stays at \"temperature_rise\". Present: `simulate` "
+                       "starts there and warms it."),
           }};
 }
 
@@ -118,6 +136,12 @@ std::vector<ObjectSpec> amplifier_specs() {
         .above(0)
         .doc("-3 dB frequency; absent: ideal.");
   };
+  const auto current_limit = [](const char* what) {
+    return member::quantity("current_limit", dimension::current).above(0).doc(what);
+  };
+  const auto voltage_limit = [](const char* what) {
+    return member::quantity("voltage_limit", dimension::voltage).above(0).doc(what);
+  };
   return {{"ideal",
            "Produces the commanded effort at the shaft itself, whatever the circuit: A = 1.",
            {}},
@@ -130,6 +154,9 @@ std::vector<ObjectSpec> amplifier_specs() {
                    .doc("Which current: all that the amplifier delivers, or what passes the "
                         "winding (which removes "
                         "the damping of a circuit across the motor within the bandwidth)."),
+               current_limit("Largest current that is asked for; absent: none."),
+               voltage_limit("Largest terminal voltage, the excess flows into the supply rails "
+                             "(0.01 ohm); absent: none."),
            }},
           {"voltage",
            "Applies a voltage behind an output resistance.",
@@ -139,6 +166,8 @@ std::vector<ObjectSpec> amplifier_specs() {
                    .by_default(0)
                    .at_least(0)
                    .doc("In series with the output."),
+               current_limit("Beyond it the output gives way, 1000 V per A; absent: none."),
+               voltage_limit("Largest voltage that is asked for; absent: none."),
            }}};
 }
 
@@ -187,6 +216,18 @@ std::vector<ObjectSpec> branch_specs(const MotionTerms& terms) {
                    .above(0)
                    .doc("Wave impedance b_w; the whole source resistance is K_t^2/b_w, the "
                         "amplifier's output_resistance included."),
+           }},
+          {"clamp",
+           "A bidirectional suppressor across the motor terminals: conducts beyond its voltage.",
+           {
+               member::quantity("voltage", dimension::voltage)
+                   .required()
+                   .above(0)
+                   .doc("From which on it conducts, either way."),
+               member::quantity("resistance", dimension::resistance)
+                   .by_default(0.1)
+                   .above(0)
+                   .doc("Of what flows beyond."),
            }}};
 }
 
@@ -247,6 +288,13 @@ std::vector<ObjectSpec> damping_specs(const MotionTerms& terms) {
            member::boolean("on").by_default(true).doc("Whether it is."),
        }});
   specs.push_back(high_pass_damper_spec(terms));
+  specs.push_back(
+      {"friction_brake",
+       "A friction brake at the port, controlled to imitate a damper up to its holding effort.",
+       {
+           member::quantity("damping", terms.damping).required().above(0).doc("Imitated."),
+           member::quantity("effort", terms.effort).required().above(0).doc("Largest, holding."),
+       }});
   return specs;
 }
 

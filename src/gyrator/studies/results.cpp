@@ -4,6 +4,7 @@
 #include "gyrator/core/interrupt.hpp"
 #include "gyrator/mechanics/stability.hpp"
 #include "gyrator/passivity/port_response.hpp"
+#include "gyrator/studies/operating_point_fields.hpp"
 #include "gyrator/studies/progress.hpp"
 #include "gyrator/version.hpp"
 
@@ -128,6 +129,18 @@ json stability_json(const Model& model) {
   return {{"clamped", edge_json(edges->clamped)}, {"free", edge_json(edges->free)}};
 }
 
+EngineKind engine_of(const SimulationRequest& request,
+                     const std::optional<std::string>& nonlinear) {
+  if (!request.engine) return nonlinear ? EngineKind::cvode : EngineKind::exact;
+  if (nonlinear && *request.engine == EngineKind::exact) {
+    throw Error(ErrorCode::bad_input, "--engine",
+                fmt::format("exact: {} is not linear, and matrix exponentials need a linear "
+                            "model: use cvode (what is taken without --engine) or odeint",
+                            *nonlinear));
+  }
+  return *request.engine;
+}
+
 std::optional<WallValues> wall_of(const Model& model) {
   return find_wall_values(model.controller);
 }
@@ -154,6 +167,7 @@ json make_impedance_result(const Model& model, const std::vector<double>& freque
   result["actuation_real"] = std::move(a_real);
   result["actuation_imag"] = std::move(a_imag);
   result["stability_edges"] = stability_json(model);
+  result["operating_point"] = make_operating_point_fields(model);
   return result;
 }
 
@@ -177,6 +191,7 @@ json make_passivity_result(const Model& model, const PassivityRequest& request) 
                       {"least_damping", v.least_damping},
                       {"least_damping_frequency_hz", v.least_damping_frequency_hz}};
   result["stability_edges"] = stability_json(model);
+  result["operating_point"] = make_operating_point_fields(model);
   result["uncoupled_spectral_radius"] = v.uncoupled_spectral_radius;
   result["damping_over_frequency"] = {{"frequency_hz", v.curves.frequency_hz},
                                       {"physical", v.curves.physical},
@@ -248,6 +263,7 @@ json make_zwidth_result(const Model& model, const ZwidthRequest& request) {
   for (const char* key : {"criterion", "damping", "max_stiffness", "feasible"})
     result[key] = boundaries.front()[key];
   result["boundaries"] = std::move(boundaries);
+  result["operating_point"] = make_operating_point_fields(model);
   if (wall) result["point"] = {{"damping", wall->damping}, {"stiffness", wall->stiffness}};
   return result;
 }
@@ -266,6 +282,12 @@ void check_ledger(const Model& model, const TimeRun& run, double tolerance) {
     throw Error(ErrorCode::numerical, fmt::format("t = {:g} s", run.final_time_s),
                 "the numbers of the run are no longer finite: an initial value or a component is "
                 "out of all proportion");
+  }
+  if (find_nonlinear_element(model)) {
+    throw Error(ErrorCode::numerical, fmt::format("t = {:g} s", run.final_time_s),
+                fmt::format("the energy ledger does not close (residual {:.3g} J of {:.3g} J "
+                            "moved): lower --tolerance",
+                            e.residual, moved));
   }
   throw Error(ErrorCode::numerical, fastest.element,
               fmt::format("the energy ledger does not close (residual {:.3g} J of {:.3g} J moved, "
@@ -292,13 +314,13 @@ TimeRun run_simulation(const Model& model, const SimulationRequest& request) {
   options.initial_position = model.initial_position;
   options.initial_velocity = model.initial_velocity;
   options.external_effort = model.external_effort;
-  options.engine = request.engine;
+  options.engine = engine_of(request, find_nonlinear_element(model));
   options.engine_options = request.engine_options;
   options.trace_step = request.trace_step;
   const double samples = options.duration.to_double() / model.sampling.period.to_double();
   Progress progress("simulate", static_cast<std::uint64_t>(samples), request.quiet);
   options.on_progress = [&](long done) { progress.advance(static_cast<std::uint64_t>(done)); };
-  const Plant plant = build_plant(build_device_network(model.device, model.held_by));
+  const Plant plant = build_moving_plant(build_device_network(model.device, model.held_by));
   try {
     TimeRun run =
         simulate(plant, model.sensor, model.sampled_controller(), model.sampling, options);
@@ -316,9 +338,12 @@ TimeRun run_simulation(const Model& model, const SimulationRequest& request) {
 json make_simulation_result(const Model& model, const SimulationRequest& request,
                             const TimeRun& run) {
   json result = start_result("simulate", model);
-  result["engine"] = request.engine == EngineKind::exact   ? "exact"
-                     : request.engine == EngineKind::cvode ? "cvode"
-                                                           : "odeint";
+  const auto nonlinear = find_nonlinear_element(model);
+  const EngineKind engine = engine_of(request, nonlinear);
+  result["engine"] = engine == EngineKind::exact   ? "exact"
+                     : engine == EngineKind::cvode ? "cvode"
+                                                   : "odeint";
+  result["nonlinear_element"] = nonlinear ? json(*nonlinear) : json(nullptr);
   result["final_time_s"] = run.final_time_s;
   result["steps"] = run.steps;
   result["stopped_early"] = run.stopped_early;
