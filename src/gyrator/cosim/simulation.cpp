@@ -121,11 +121,10 @@ class Run {
            static_cast<double>(sampling_.period.den());
   }
 
-  // All that the signals and energies are functions of beside ξ, while `command` is held.
+  // All that a nonlinear plant's signals and energies are functions of beside ξ, while `command` is
+  // held.
   Eigen::VectorXd inputs_at(double command) {
-    const Eigen::Vector2d u(command, u_(1));
-    if (!dynamics_) return u;
-    return dynamics_->solve(state_.xi, u);
+    return dynamics_->solve(state_.xi, Eigen::Vector2d(command, u_(1)));
   }
 
   // Whether a step of the command shows in a signal at once.
@@ -137,8 +136,12 @@ class Run {
   void jump_to(double command) {
     if (command == u_(0)) return;
     if (jumps_cost_energy_ && options_.engine_options.ledger) {
-      before_ = inputs_at(u_(0));
-      jump_ << state_.xi, before_, inputs_at(command);
+      if (dynamics_) {
+        before_ = inputs_at(u_(0));
+        jump_ << state_.xi, before_, inputs_at(command);
+      } else {
+        jump_ << state_.xi, u_, command, u_(1);
+      }
       state_.source_work += jump_.dot(plant_.energy.source_jump * jump_);
     }
     u_(0) = command;
