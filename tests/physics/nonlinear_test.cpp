@@ -322,7 +322,7 @@ TEST(Nonlinear, a_constant_source_holds_its_steady_state_from_the_start) {
 
 TEST(Nonlinear, a_cancellation_diverges_once_its_winding_has_cooled_below_it) {
   Device device = make_rc_display();
-  device.drive.damping = {ResistanceCancellation{.resistance = 1.02 * 1.5}};
+  device.drive.damping = {ResistanceCancellation{.resistance = 1.02 * 1.5, .bandwidth_hz = {}}};
   device.drive.amplifier = VoltageAmplifier{};
   device.drive.motor->temperature_rise = 30;  // R = 1.118 R_0
   const auto current_of = [&](double capacity) {

@@ -28,7 +28,7 @@ struct Motor {
   double temperature_coefficient = copper_temperature_coefficient;  ///< alpha [1/K]
   double temperature_rise = 0;  ///< of the winding above the reference temperature [K]
   /// None: it stays at that rise. With it the rise is where it starts, and the linear tools' own.
-  std::optional<WindingThermal> thermal;
+  std::optional<WindingThermal> thermal = {};
 
   double warm_resistance() const {
     return resistance * (1 + temperature_coefficient * temperature_rise);
@@ -53,7 +53,7 @@ struct IdealDrive {};
 struct CurrentAmplifier {
   std::optional<double> bandwidth_hz;
   CurrentSense sense = CurrentSense::total;
-  std::optional<double> current_limit, voltage_limit;
+  std::optional<double> current_limit = {}, voltage_limit = {};
 };
 
 /// Voltage amplifier behind `output_resistance` [ohm], first-order with -3 dB at `bandwidth_hz`.
@@ -62,7 +62,7 @@ struct CurrentAmplifier {
 struct VoltageAmplifier {
   std::optional<double> bandwidth_hz;
   double output_resistance = 0;
-  std::optional<double> current_limit, voltage_limit;
+  std::optional<double> current_limit = {}, voltage_limit = {};
 };
 
 /// Small against a winding, so that 10 A of excess lift a rail by 0.1 V [ohm].
