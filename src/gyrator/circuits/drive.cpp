@@ -125,7 +125,6 @@ void add_voltage_amplifier(DriveParts& parts, const Drive& drive, const VoltageA
                            double gain) {
   Network& network = parts.network;
   const double volts_per_command = gain;
-  const double volts_per_command = gain;
   gain = add_limit(parts, "amplifier.voltage_limit", gain, amplifier.voltage_limit);
   const NodeId wanted = amplifier.bandwidth_hz ? add_lag(network, "amplifier.loop", parts.command,
                                                          *amplifier.bandwidth_hz)

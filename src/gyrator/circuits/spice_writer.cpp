@@ -1,5 +1,6 @@
 #include "gyrator/circuits/spice_writer.hpp"
 
+#include "gyrator/core/error.hpp"
 #include "gyrator/core/text.hpp"
 
 #include <algorithm>
@@ -91,23 +92,20 @@ class Writer {
   }
 
   static char letter_of(const ElementLaw& law) {
-    return std::visit(Overloaded{
-                          [](const Resistor&) { return 'r'; },
-                          [](const Conductance&) { return 'r'; },
-                          [](const Inductor&) { return 'l'; },
-                          [](const Capacitor&) { return 'c'; },
-                          [](const VoltageSource&) { return 'v'; },
-                          [](const CurrentSource&) { return 'i'; },
-                          [](const VoltageControlledVoltageSource&) { return 'e'; },
-                          [](const VoltageControlledCurrentSource&) { return 'g'; },
-                          [](const CurrentControlledVoltageSource&) { return 'h'; },
-                          [](const CurrentControlledCurrentSource&) { return 'f'; },
-                          [](const Transformer&) { return 'e'; },
-                          [](const Gyrator&) { return 'g'; },
-                          [](const MutualInductance&) { return 'k'; },
-                          [](const IdealOpAmp&) { return 'e'; },
-                      },
-                      law);
+    return std::visit(
+        Overloaded{
+            [](const Resistor&) { return 'r'; }, [](const Conductance&) { return 'r'; },
+            [](const Inductor&) { return 'l'; }, [](const Capacitor&) { return 'c'; },
+            [](const VoltageSource&) { return 'v'; }, [](const CurrentSource&) { return 'i'; },
+            [](const VoltageControlledVoltageSource&) { return 'e'; },
+            [](const VoltageControlledCurrentSource&) { return 'g'; },
+            [](const CurrentControlledVoltageSource&) { return 'h'; },
+            [](const CurrentControlledCurrentSource&) { return 'f'; },
+            [](const Transformer&) { return 'e'; }, [](const Gyrator&) { return 'g'; },
+            [](const MutualInductance&) { return 'k'; }, [](const IdealOpAmp&) { return 'e'; },
+            [](const auto&) { return 'x'; },  // refused by write_spice_netlist
+        },
+        law);
   }
 
   // A transformer's second port mirrors its current: it has an ammeter always.
@@ -254,6 +252,7 @@ class Writer {
               line("holds its inputs equal", make_name('g', element.name), "0", drive,
                    node(e.control_positive), node(e.control_negative), "1");
             },
+            [](const auto&) {},  // refused by write_spice_netlist
         },
         element.law);
   }
@@ -268,6 +267,10 @@ class Writer {
 }  // namespace
 
 SpiceNetlist write_spice_netlist(const Network& network, const SpiceOptions& options) {
+  if (const auto nonlinear = network.find_nonlinear()) {
+    throw Error(ErrorCode::bad_input, network.element(*nonlinear).name,
+                "nonlinear elements and constant sources are not written as SPICE");
+  }
   return Writer(network, options).write();
 }
 

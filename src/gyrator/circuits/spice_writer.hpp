@@ -50,6 +50,8 @@ struct SpiceNetlist {
 ///                      by E. Kirchhoff's law at that node is v_+ - v_- = 0, exactly.
 ///   CCVS, CCCS         H, F; a control that is no voltage source gets an ammeter in series
 ///
+/// Throws bad_input, naming it, for a nonlinear element or a constant source.
+///
 /// Node voltages alone are the same unknowns as the descriptor's.
 SpiceNetlist write_spice_netlist(const Network& network, const SpiceOptions& options = {});
 

@@ -89,6 +89,20 @@ struct DampingParts {
           {fit_text(file, widest_file), fit_text(d.circuit.name, widest_file)}}});
   }
 
+  void operator()(const ClampDamping& d) const {
+    diagram.across.push_back({{Symbol::clamp,
+                               "clamp across the motor",
+                               "D" + index,
+                               {print_quantity(d.voltage, dimension::voltage)}}});
+  }
+
+  void operator()(const FrictionBrake& d) const {
+    diagram.at_port.push_back({{Symbol::friction,
+                                "friction brake",
+                                "b" + index,
+                                {terms.damping(d.damping), "up to " + terms.effort(d.effort)}}});
+  }
+
   void operator()(const ResistanceCancellation& d) const {
     BlockText block{"R_c i"};
     if (d.bandwidth_hz) block.push_back("low-pass " + hertz(*d.bandwidth_hz));

@@ -2,9 +2,11 @@
 
 #include "gyrator/circuits/reduction.hpp"
 #include "gyrator/circuits/spice_writer.hpp"
+#include "gyrator/core/error.hpp"
 #include "gyrator/core/text.hpp"
 #include "gyrator/cosim/sampled_plant.hpp"
 #include "gyrator/studies/model_format.hpp"
+#include "gyrator/studies/operating_point_fields.hpp"
 #include "gyrator/studies/results.hpp"
 #include "gyrator/version.hpp"
 
@@ -109,6 +111,11 @@ std::string write_title(const Model& model) {
 }  // namespace
 
 SpiceDeck make_spice_deck(const Model& model, const SpiceRequest& request) {
+  if (const auto nonlinear = find_nonlinear_element(model)) {
+    throw Error(
+        ErrorCode::bad_input, model.file,
+        fmt::format("{} is not linear: only linear models are written for ngspice", *nonlinear));
+  }
   SpiceDeck deck;
   SimulationRequest simulation;
   simulation.duration = request.duration;
