@@ -99,7 +99,7 @@ struct EddyCurrentBrake {
 };
 
 /// A friction brake at the port, controlled to imitate a damper up to its holding effort, f = b v
-/// and at most f_c (An and Kwon 2006; 8.6.3).                                   (brake-1)
+/// and at most f_c (An and Kwon 2006; 8.6.3).                                   (friction-1)
 struct FrictionBrake {
   double damping = 0;  ///< b [N.m.s/rad, N.s/m]
   double effort = 0;   ///< f_c [N.m, N]
