@@ -36,6 +36,8 @@ const std::vector<Damping>& every_damping() {
                                       ".ends\n",
                                       "a folder/a file with a very long name.cir", "")},
       WaveDamping{.impedance = 1.23456e-4},
+      ClampDamping{.voltage = 12.3456},
+      FrictionBrake{.damping = 1.23456e-3, .effort = 1.23456e-2},
   };
   return list;
 }
