@@ -160,6 +160,7 @@ void add_across(DriveParts& parts, const Damping& damping, const std::string& na
     add_subcircuit(network, netlist->circuit, name, {terminal, ground});
   } else if (const auto* clamp = std::get_if<ClampDamping>(&damping)) {
     network.add(name + ".clamp", terminal, ground, VoltageClamp{clamp->voltage, clamp->resistance});
+    network.add(name + ".leakage", terminal, ground, Conductance{ClampDamping::leakage});
   }
 }
 

@@ -29,9 +29,10 @@ struct NetlistDamping {
   SpiceCircuit circuit;
 };
 
-/// A bidirectional suppressor across the motor terminals: nothing up to `voltage` [V], beyond it
-/// the excess through `resistance` [ohm].
+/// A bidirectional suppressor across the motor terminals: its leakage up to `voltage` [V], beyond
+/// it the excess through `resistance` [ohm] as well.
 struct ClampDamping {
+  static constexpr double leakage = 1e-6;  ///< [S], a few microamperes as of a real one
   double voltage = 0;
   double resistance = 0.1;
 };

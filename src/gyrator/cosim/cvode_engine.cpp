@@ -98,13 +98,7 @@ class CvodeEngine final : public Engine {
     double* y = N_VGetArrayPointer(y_.get());
     for (Eigen::Index i = 0; i < n_; ++i) y[i] = state.xi(i);
     for (Eigen::Index i = n_; i < size_; ++i) y[i] = 0;
-
-    check(CVodeReInit(memory_.get(), 0.0, y_.get()), "CVodeReInit", time);
-    check(CVodeSetStopTime(memory_.get(), interval), "CVodeSetStopTime", time);
-    double reached = 0;
-    const int flag = CVode(memory_.get(), interval, y_.get(), &reached, CV_NORMAL);
-    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
-    check(flag, "CVode", time + reached);
+    integrate(interval, time);
     for (Eigen::Index i = 0; i < n_; ++i) state.xi(i) = y[i];
     state.operator_work += y[n_];
     state.source_work += y[n_ + 1];
@@ -192,7 +186,7 @@ class CvodeEngine final : public Engine {
       return 0;
     } catch (...) {
       self.failure_ = std::current_exception();
-      return -1;
+      return 1;  // a shorter step may find a solution
     }
   }
 
@@ -257,13 +251,38 @@ class CvodeEngine final : public Engine {
     }
   }
 
+  // To the end of the segment. At the bend of a law beside an inductance the step may shrink to
+  // nothing; from where it stopped the rest of the segment is taken with a wider tolerance. What
+  // that costs shows in the energy ledger, which every run is held to.
+  void integrate(double interval, double time) {
+    constexpr int most_attempts = 4;
+    constexpr double widening = 30;
+    double reached = 0;
+    widened_ = 1;
+    for (int attempt = 1;; ++attempt) {
+      check(CVodeReInit(memory_.get(), reached, y_.get()), "CVodeReInit", time);
+      check(CVodeSetStopTime(memory_.get(), interval), "CVodeSetStopTime", time);
+      const int flag = CVode(memory_.get(), interval, y_.get(), &reached, CV_NORMAL);
+      const auto failure = std::exchange(failure_, nullptr);
+      const bool stuck = flag == CV_ERR_FAILURE || flag == CV_CONV_FAILURE ||
+                         flag == CV_RHSFUNC_FAIL || flag == CV_REPTD_RHSFUNC_ERR;
+      if (!stuck || !dynamics_ || attempt == most_attempts) {
+        if (flag < 0 && failure) std::rethrow_exception(failure);
+        check(flag, "CVode", time + reached);
+        return;
+      }
+      widened_ *= widening;
+    }
+  }
+
   static int error_weights(N_Vector y, N_Vector weights, void* self_pointer) {
     const auto& self = *static_cast<CvodeEngine*>(self_pointer);
     const double* size = N_VGetArrayPointer(y);
     double* w = N_VGetArrayPointer(weights);
     for (Eigen::Index i = 0; i < self.size_; ++i) {
       const double momentary = i < self.bends_.size() ? 0 : std::abs(size[i]);
-      w[i] = 1 / (self.options_.relative_tolerance * std::max(self.sizes_(i), momentary));
+      w[i] = 1 / (self.options_.relative_tolerance * self.widened_ *
+                  std::max(self.sizes_(i), momentary));
     }
     return 0;
   }
@@ -278,6 +297,7 @@ class CvodeEngine final : public Engine {
   Eigen::Index n_, size_;
   std::array<Eigen::MatrixXd, 3> forms_;
   Eigen::VectorXd z_, sizes_, xi_, power_, bends_;
+  double widened_ = 1;  ///< factor on the tolerance, for the rest of a segment
   StateScales scales_;
   std::optional<PlantDynamics> dynamics_;  ///< of a nonlinear plant
   Eigen::Vector2d u_ = Eigen::Vector2d::Zero();
