@@ -91,6 +91,36 @@ class NetlistTest(ProgramTest):
         answer = self.run_program("passivity", self.model_with({"kind": "netlist", "file": "none.cir"}))
         self.assert_refused(answer, "none.cir")
 
+    def test_diodes_run_by_cvode_and_linear_answers_name_their_operating_point(self):
+        clamp = self.write_netlist("* clamp\n.subckt c a b\nD1 a b X\nD2 b a X\nRp a b 100\n"
+                                   ".model x d is=1n n=1.5 mfg=Any\n.ends\n", "clamp.cir")
+        model = self.model_with(clamp)
+        run = self.ask("simulate", model)
+        self.assertEqual((run["engine"], run["nonlinear_element"]), ("cvode", "damping.0.d1"))
+        moved = sum(abs(v) for v in run["energy"].values())
+        self.assertLess(abs(run["energy"]["residual"]), 1e-6 * moved)
+        self.assertIn("engine cvode (damping.0.d1 is not linear)", self.run_program("simulate", model).out)
+        ranges = self.ask("passivity", model)["operating_point"]["linear_range"]
+        self.assertEqual([(r["element"], r["quantity"], r["at"]) for r in ranges],
+                         [("damping.0.d1", "voltage", 0), ("damping.0.d2", "voltage", 0)])
+
+    def test_a_bias_moves_the_operating_point(self):
+        # 5 V behind 1 k and a diode, which small signals meet as V_e/I.
+        biased = self.write_netlist("* bias\n.subckt c a b\nV1 s b 5\nR1 s n 1k\nD1 n b X\n"
+                                    "C1 n a 10m\n.model X D\n.ends\n", "bias.cir")
+        result = self.ask("passivity", self.model_with(biased))
+        (diode,) = result["operating_point"]["linear_range"]
+        self.assertEqual((diode["element"], diode["quantity"], diode["unit"]), ("damping.0.d1", "voltage", "V"))
+        self.assertAlmostEqual(diode["at"], 0.6925, delta=5e-4)
+        self.assertLess(diode["from"], diode["at"])
+        self.assertLess(diode["at"], diode["to"])
+
+    def test_a_diode_without_its_model_is_refused_with_the_nearest(self):
+        self.assert_netlist_refused("* x\n.subckt c a b\nD1 a b 1N4184\n.model 1N4148 D\n.ends\n",
+                                    "circuit.cir:3", "1N4184", "did you mean '1N4148'?")
+        self.assert_netlist_refused("* x\n.subckt c a b\nD1 a b X\n.model X D(Cjo=4p)\n.ends\n",
+                                    "circuit.cir:4", "cjo", "capacitance")
+
     def test_a_negative_resistance_may_be_asked_for(self):
         damping = self.write_netlist("* x\n.subckt damp a b\nR1 a b 5\nR2 a b -50\n.ends\n")
         result = self.ask("impedance", self.model_with(damping | {"allow_negative": True}),

@@ -1,3 +1,4 @@
+#include "gyrator/circuits/spice_subcircuit.hpp"
 #include "gyrator/core/error.hpp"
 #include "gyrator/cosim/simulation.hpp"
 
@@ -77,6 +78,42 @@ TEST(Nonlinear, a_clamp_bounds_the_voltage_of_a_motor_that_is_driven_from_behind
     EXPECT_NEAR(r.trace.column("velocity")[k], v, integrated * 100) << time[k];
     const double voltage = 2 + 0.5 * (K * v - 2) / 2;
     EXPECT_NEAR(r.trace.column("voltage")[k], voltage, integrated * 5) << time[k];
+  }
+}
+
+TEST(Nonlinear, antiparallel_diodes_of_a_netlist_bound_a_motors_voltage) {
+  Device device = make_rc_display();
+  device.drive.motor->inductance = 0;
+  device.drive.amplifier = IdealDrive{};
+  device.drive.damping = {NetlistDamping{parse_subcircuit(
+      "* clamp\n.model X D(Is=1n N=1.5)\n.subckt c a b\nD1 a b X\nD2 b a X\n.ends\n", "c.cir",
+      "c")}};
+  device.mechanics.damping = 0;
+  const double K = 0.05;
+  const double R = 1.5;
+  const double Is = 1e-9;
+  const double Ve = 1.5 * 1.380649e-23 * 300.15 / 1.602176634e-19;
+  for (const double start : {100.0, -100.0}) {  // 5 V of back-EMF
+    SimulationOptions options;
+    options.duration = Rational(1, 20);
+    options.initial_velocity = start;
+    const TimeRun r = run(device, FreeOperator{}, NoController{}, options);
+    const auto& voltage = r.trace.column("voltage");
+    const auto& velocity = r.trace.column("velocity");
+    // K |v| / R is more than ever flows.
+    const double most = Ve * std::log1p(K * 100 / R / Is);
+    EXPECT_LT(most, 0.9);
+    for (std::size_t k = 0; k < voltage.size(); ++k) {
+      EXPECT_LT(std::abs(voltage[k]), most);
+      // What the winding feeds is what both diodes take: 2 Is sinh(v/Ve).
+      const double i = (K * velocity[k] - voltage[k]) / R;
+      EXPECT_NEAR(voltage[k], Ve * std::asinh(i / (2 * Is)), integrated * most) << k;
+    }
+    EXPECT_GT(std::abs(voltage.front()), 0.7);
+    const double moved = r.energy.dissipated;
+    EXPECT_NEAR(moved, device.mechanics.inertia / 2 * (1e4 - std::pow(velocity.back(), 2)),
+                1e-6 * moved);
+    EXPECT_LT(std::abs(r.energy.residual), 1e-6 * moved);
   }
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "gyrator/circuits/spice_subcircuit.hpp"
+
 #include "support/device_list.hpp"
 
 namespace gyrator::testing {
@@ -46,6 +48,18 @@ inline std::vector<NamedDevice> make_nonlinear_devices() {
   add("warming winding", [](Device& d) {
     d.drive.motor->temperature_rise = 20;
     d.drive.motor->thermal = WindingThermal{.resistance = 8, .capacity = 1e-4};
+  });
+  const auto netlist = [](const char* lines) {
+    return NetlistDamping{
+        parse_subcircuit(std::string(".subckt s a b\n") + lines + "\n.ends\n", "test.cir", "s")};
+  };
+  add("antiparallel diodes", [&](Device& d) {
+    d.drive.damping.emplace_back(netlist("D1 a b X\nD2 b a X\n.model X D(Is=1u N=1.2 Rs=50m)"));
+  });
+  add("op-amp at its limits", [&](Device& d) {
+    // A resistance of 0.25 ohm, as long as the output can follow.
+    d.drive.damping.emplace_back(
+        netlist("X1 m 0 o opamp Aol=1k GBW=100k Vmax=30m\nR1 a m 1k\nR2 m o 3k\nR3 a o 1"));
   });
   add("all at once", [](Device& d) {
     d.drive.motor->thermal = WindingThermal{.resistance = 8, .capacity = 1e-4};

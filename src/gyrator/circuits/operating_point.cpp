@@ -109,7 +109,8 @@ bool is_regular(const Network& network, const std::vector<double>& slopes) {
 LinearRange::Quantity quantity_of(const Network& network, const Element& element) {
   using enum LinearRange::Quantity;
   if (std::holds_alternative<ThermalResistor>(element.law)) return temperature_rise;
-  if (element.role == Role::signal) return command;
+  // An amplifier's limits act on its command; an op-amp's clamp on its own voltage.
+  if (element.role == Role::signal && kind_of(element.law) != LawKind::conductance) return command;
   const NodeId node = element.positive == ground ? element.negative : element.positive;
   const bool mechanical =
       network.nodes()[static_cast<std::size_t>(node.index)].domain == Domain::mechanical;

@@ -140,12 +140,27 @@ SpiceInstance SpiceBuilder::find_definition(const SpiceCard& card, const std::st
   instance.around = nullptr;
   if (instance.definition != nullptr) return instance;
   for (const auto& definition : library.definitions) known.push_back(definition.name);
-  std::string missing;
-  if (!deck_.missing_libraries.empty()) {
-    missing = "; these libraries were not found: " + join(deck_.missing_libraries);
+  refuse(card.place,
+         fmt::format("'{}': {}{}", card.text, describe_unknown_name("subcircuit", name, known),
+                     describe_missing_libraries()));
+}
+
+std::string SpiceBuilder::describe_missing_libraries() const {
+  if (deck_.missing_libraries.empty()) return "";
+  return "; these libraries were not found: " + join(deck_.missing_libraries);
+}
+
+SpiceModelUse SpiceBuilder::find_model(const SpiceCard& card, const std::string& name,
+                                       SpiceInstance& instance) const {
+  std::vector<std::string> known;
+  for (SpiceInstance* at = &instance; at != nullptr; at = at->around) {
+    if (const auto* model = at->definition->find_model(name)) return {model, at};
+    for (const auto& model : at->definition->models) known.push_back(model.name);
   }
   refuse(card.place, fmt::format("'{}': {}{}", card.text,
-                                 describe_unknown_name("subcircuit", name, known), missing));
+                                 known.empty() ? fmt::format("there is no .model {}", name)
+                                               : describe_unknown_name(".model", name, known),
+                                 describe_missing_libraries()));
 }
 
 void SpiceBuilder::add_instance(const SpiceCard& card, SpiceInstance& caller) {
@@ -203,13 +218,13 @@ void SpiceBuilder::override_parameters(const SpiceCard& card, SpiceInstance& cal
 }
 
 // The element that another one refers to by name, as seen from the other's instance.
-template <class Law>
+template <class... Laws>
 int SpiceBuilder::find_reference(const std::string& place, const std::string& prefix,
                                  const std::string& name, std::string_view letter,
                                  std::string_view what) const {
   const auto found = index_.find(prefix + name);
   const auto fits = [&](const SpiceElement& element, std::string_view local) {
-    return local.starts_with(letter) && std::holds_alternative<Law>(element.law);
+    return local.starts_with(letter) && (std::holds_alternative<Laws>(element.law) || ...);
   };
   if (found != index_.end()) {
     if (fits(circuit_.elements[static_cast<std::size_t>(found->second)], name))
@@ -226,8 +241,8 @@ int SpiceBuilder::find_reference(const std::string& place, const std::string& pr
 }
 
 void SpiceBuilder::resolve(Control control) {
-  const ElementId source{find_reference<VoltageSource>(control.element.place, control.prefix,
-                                                       control.source, "v", "voltage source")};
+  const ElementId source{find_reference<VoltageSource, ConstantVoltageSource>(
+      control.element.place, control.prefix, control.source, "v", "voltage source")};
   if (auto* f = std::get_if<CurrentControlledCurrentSource>(&control.element.law)) {
     f->control = source;
   } else if (auto* h = std::get_if<CurrentControlledVoltageSource>(&control.element.law)) {

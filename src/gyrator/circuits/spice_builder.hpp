@@ -21,6 +21,12 @@ struct SpiceInstance {
   std::map<std::string, NodeId> nodes;
 };
 
+/// A `.model` line and the instance whose definition holds it.
+struct SpiceModelUse {
+  const SpiceModel* model = nullptr;
+  SpiceInstance* around = nullptr;
+};
+
 /// Puts a circuit together, element by element, instance by instance.
 class SpiceBuilder {
  public:
@@ -43,6 +49,9 @@ class SpiceBuilder {
   /// Couples every two of the inductors.
   void add_coupling(const std::string& name, const std::string& place, const std::string& prefix,
                     const std::vector<std::string>& inductors, double coupling);
+  /// The model that a name means in an instance. Throws bad_input with the nearest name.
+  SpiceModelUse find_model(const SpiceCard& card, const std::string& name,
+                           SpiceInstance& instance) const;
   /// An X line: its nodes and the subcircuit's name, and the parameters that it overrides.
   void add_instance(const SpiceCard& card, SpiceInstance& caller);
 
@@ -63,9 +72,10 @@ class SpiceBuilder {
   /// The definition that a name means in an instance, and the instance around it.
   SpiceInstance find_definition(const SpiceCard& card, const std::string& name,
                                 SpiceInstance& caller);
-  template <class Law>
+  template <class... Laws>
   int find_reference(const std::string& place, const std::string& prefix, const std::string& name,
                      std::string_view letter, std::string_view what) const;
+  std::string describe_missing_libraries() const;
   void resolve(Control control);
   void resolve(const Coupling& coupling);
 

@@ -35,6 +35,9 @@ std::optional<std::pair<NodeId, NodeId>> find_control(const SpiceElement& elemen
   if (const auto* e = law_of<VoltageControlledVoltageSource>(element)) {
     return std::pair{e->control_positive, e->control_negative};
   }
+  if (const auto* e = law_of<LimitedVoltageControlledVoltageSource>(element)) {
+    return std::pair{e->control_positive, e->control_negative};
+  }
   if (const auto* o = law_of<IdealOpAmp>(element)) {
     return std::pair{o->control_positive, o->control_negative};
   }
@@ -49,14 +52,18 @@ std::optional<std::pair<NodeId, NodeId>> find_control(const SpiceElement& elemen
 
 // Carries a current that its own voltage says nothing about.
 bool is_current_source(const SpiceElement& element) {
-  if (law_of<CurrentControlledCurrentSource>(element) || law_of<CurrentSource>(element))
+  if (law_of<CurrentControlledCurrentSource>(element) || law_of<CurrentSource>(element) ||
+      law_of<ConstantCurrentSource>(element)) {
     return true;
+  }
   return law_of<VoltageControlledCurrentSource>(element) && find_control(element);
 }
 
 // Has a voltage that its own current says nothing about.
 bool is_voltage_source(const SpiceElement& element) {
-  return law_of<VoltageSource>(element) || law_of<VoltageControlledVoltageSource>(element) ||
+  return law_of<VoltageSource>(element) || law_of<ConstantVoltageSource>(element) ||
+         law_of<VoltageControlledVoltageSource>(element) ||
+         law_of<LimitedVoltageControlledVoltageSource>(element) ||
          law_of<CurrentControlledVoltageSource>(element);
 }
 

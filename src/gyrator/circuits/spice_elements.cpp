@@ -1,5 +1,6 @@
 #include "gyrator/circuits/spice_elements.hpp"
 
+#include "gyrator/circuits/spice_diode.hpp"
 #include "gyrator/circuits/spice_element_line.hpp"
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/text.hpp"
@@ -167,16 +168,16 @@ void read_coupling(Line& line) {
   line.builder().add_coupling(line.name(), line.card().place, line.instance().prefix, inductors, k);
 }
 
-// A network has no constant sources: what remains are an ammeter and an open circuit.
+// Of zero they are an ammeter and an open circuit, and leave the network linear.
 void add_constant_source(Line& line, NodeId positive, NodeId negative, double value,
                          bool is_voltage) {
-  if (value != 0) {
-    line.refuse(
-        fmt::format("a constant source of {:g} {}: only sources of 0 are read, a voltage "
-                    "source as an ammeter",
-                    value, is_voltage ? "V" : "A"));
+  if (is_voltage && value == 0) {
+    line.add("", positive, negative, VoltageSource{});
+  } else if (is_voltage) {
+    line.add("", positive, negative, ConstantVoltageSource{value});
+  } else if (value != 0) {
+    line.add("", positive, negative, ConstantCurrentSource{value});
   }
-  if (is_voltage) line.add("", positive, negative, VoltageSource{});
 }
 
 // [DC] value and AC amplitude phase, in any order; the AC part says nothing about the circuit.
@@ -257,6 +258,13 @@ double take_gain(Line& line, bool polynomial) {
   return coefficients[1];
 }
 
+// An op-amp's limit (built-in library).
+constexpr double unlimited = 1e300;
+double take_limit(Line& line) {
+  if (!line.instance().definition->built_in) return unlimited;
+  return line.take_part("limit", true).value_or(unlimited);
+}
+
 void read_voltage_controlled(Line& line, bool is_voltage) {
   const NodeId positive = line.take_node("the positive node");
   const NodeId negative = line.take_node("the negative node");
@@ -265,9 +273,13 @@ void read_voltage_controlled(Line& line, bool is_voltage) {
   const NodeId control_negative = line.take_node("the negative control node");
   const double gain = take_gain(line, polynomial);
   if (is_voltage) {
+    const double limit = take_limit(line);
     line.finish();
-    line.add("", positive, negative,
-             VoltageControlledVoltageSource{gain, control_positive, control_negative});
+    ElementLaw law = VoltageControlledVoltageSource{gain, control_positive, control_negative};
+    if (limit < unlimited) {
+      law = LimitedVoltageControlledVoltageSource{gain, limit, control_positive, control_negative};
+    }
+    line.add("", positive, negative, law);
   } else {
     const double m = take_multiplicity(line);
     line.finish();
@@ -299,6 +311,17 @@ void read_nullor(Line& line) {
   line.add("", positive, negative, IdealOpAmp{control_positive, control_negative});
 }
 
+// Stiff against the pole's 1 ohm, so that it comes back a thousand times faster than its own time.
+void read_pole_clamp(Line& line) {
+  constexpr double resistance = 1e-3;
+  const NodeId positive = line.take_node("the positive node");
+  const NodeId negative = line.take_node("the negative node");
+  const double limit = line.take_number("the limit");
+  line.finish();
+  if (!(limit > 0)) line.refuse(fmt::format("an op-amp's Vmax of {:g} V: must be positive", limit));
+  if (limit < unlimited) line.add("", positive, negative, VoltageClamp{limit, resistance});
+}
+
 struct Kind {
   char letter;
   std::string_view name;
@@ -323,10 +346,11 @@ constexpr std::array kinds{
          [](Line& line) { read_current_controlled(line, true); }},
     Kind{'x', "subcircuits",
          [](Line& line) { line.builder().add_instance(line.card(), line.instance()); }},
-    Kind{'@', "nullors", read_nullor},  // of the built-in library only
+    Kind{'d', "diodes", read_spice_diode},
+    Kind{'@', "nullors", read_nullor},     // of the built-in library only
+    Kind{'^', "clamps", read_pole_clamp},  // likewise
     Kind{'a', "special functions and XSPICE devices", nullptr},
     Kind{'b', "behavioural sources", nullptr},
-    Kind{'d', "diodes", nullptr},
     Kind{'j', "junction transistors", nullptr},
     Kind{'m', "MOS transistors", nullptr},
     Kind{'o', "lossy lines", nullptr},
@@ -338,10 +362,14 @@ constexpr std::array kinds{
     Kind{'z', "MES transistors", nullptr},
 };
 
+bool is_internal(char letter) {
+  return letter == '@' || letter == '^';
+}
+
 std::string describe_kinds() {
   std::vector<std::string> names;
   for (const Kind& kind : kinds) {
-    if (kind.read == nullptr || kind.letter == '@') continue;
+    if (kind.read == nullptr || is_internal(kind.letter)) continue;
     names.push_back(fmt::format("{} ({})", static_cast<char>(kind.letter - 'a' + 'A'), kind.name));
   }
   return join(names);
@@ -353,7 +381,7 @@ void read_spice_element(const SpiceCard& card, SpiceInstance& instance, SpiceBui
   const std::string name = card.words.empty() ? std::string{} : lower_spice(card.words.front());
   const auto* const kind = std::find_if(kinds.begin(), kinds.end(), [&](const Kind& k) {
     return !name.empty() && k.letter == name[0] &&
-           (k.letter != '@' || instance.definition->built_in);
+           (!is_internal(k.letter) || instance.definition->built_in);
   });
   if (kind == kinds.end() || kind->read == nullptr) {
     throw Error(

@@ -25,10 +25,10 @@ constexpr std::uintmax_t largest_file = 16'000'000;  // bytes
 
 // Control lines that say what to simulate and show, not what the circuit is.
 constexpr std::array ignored_controls{
-    ".tran",   ".ac",      ".op",    ".dc",       ".noise", ".tf",    ".four",   ".fft",
-    ".meas",   ".measure", ".save",  ".print",    ".plot",  ".probe", ".width",  ".options",
-    ".option", ".opt",     ".title", ".backanno", ".step",  ".model", ".nodeset"};
-constexpr std::array read_controls{".subckt", ".ends", ".param", ".include",
+    ".tran",   ".ac",      ".op",    ".dc",       ".noise", ".tf",     ".four",  ".fft",
+    ".meas",   ".measure", ".save",  ".print",    ".plot",  ".probe",  ".width", ".options",
+    ".option", ".opt",     ".title", ".backanno", ".step",  ".nodeset"};
+constexpr std::array read_controls{".subckt", ".ends", ".param", ".model",  ".include",
                                    ".inc",    ".lib",  ".end",   ".control"};
 
 [[noreturn]] void refuse(const std::string& place, std::string message) {
@@ -157,6 +157,29 @@ SpiceDefinition parse_header(const SpiceLine& line) {
   return definition;
 }
 
+// ".model NAME TYPE(p=value …)", the parentheses as one likes.
+SpiceModel parse_model(const SpiceLine& line) {
+  std::string_view rest =
+      trim(std::string_view(line.text).substr(std::string_view(".model").size()));
+  const auto take = [&] {
+    const std::string_view word = rest.substr(0, rest.find_first_of(" \t("));
+    rest = trim(rest.substr(word.size()));
+    return std::string(word);
+  };
+  SpiceModel model;
+  model.name = take();
+  model.type = lower_spice(take());
+  model.place = line.place;
+  if (model.type != "d") return model;
+  if (!rest.empty() && rest.front() == '(') {
+    if (rest.back() != ')') refuse(line.place, fmt::format("'{}': '(' has no end", line.text));
+    rest = rest.substr(1, rest.size() - 2);
+  }
+  model.card = parse_spice_card({line.place, fmt::format("{} {}", model.name, rest)});
+  model.card.text = line.text;
+  return model;
+}
+
 // Sorts statements into definitions.
 class DeckParser {
  public:
@@ -186,6 +209,8 @@ class DeckParser {
         for (const auto& [name, value] : parse_spice_parameters(line)) {
           into.parameters.push_back({name, value, line.place});
         }
+      } else if (word == ".model") {
+        add_model(into, parse_model(line));
       } else if (std::find(ignored_controls.begin(), ignored_controls.end(), word) ==
                  ignored_controls.end()) {
         std::vector<std::string> known(read_controls.begin(), read_controls.end());
@@ -215,6 +240,17 @@ class DeckParser {
     }
   }
 
+  // Of models that no element can use, a library may hold several of one name.
+  static void add_model(SpiceDefinition& into, SpiceModel model) {
+    const SpiceModel* first = into.find_model(model.name);
+    if (first != nullptr && first->place == model.place) return;  // the file is included twice
+    if (first != nullptr && (first->type == "d" || model.type == "d")) {
+      refuse(model.place, fmt::format("the model {} is defined a second time: first at {}",
+                                      model.name, first->place));
+    }
+    into.models.push_back(std::move(model));
+  }
+
   static void check_end(const SpiceDefinition& definition, const SpiceLine& line) {
     const SpiceCard card = parse_spice_card(line);
     if (card.words.size() < 2 || lower_spice(card.words[1]) == lower_spice(definition.name)) return;
@@ -227,13 +263,15 @@ class DeckParser {
 };
 
 // The single pole of `opamp` is a signal (it carries no power of the circuit); its output is an
-// ideal source. '@' is a nullor: output between the first two nodes, inputs the others.
+// ideal source. '@' is a nullor: output between the first two nodes, inputs the others. '^' clamps
+// the pole near the output's limit, so that it does not run far beyond and come back late.
 constexpr std::string_view built_in_text = R"(
-.subckt opamp inverting noninverting output Aol=100K GBW=10Meg
+.subckt opamp inverting noninverting output Aol=100K GBW=10Meg Vmax=1e300
 G1 0 pole noninverting inverting {Aol}
 R1 pole 0 1
 C1 pole 0 {Aol/(2*pi*GBW)}
-E1 output 0 pole 0 1
+^1 pole 0 {Vmax}
+E1 output 0 pole 0 1 limit={Vmax}
 .ends
 .subckt ideal_opamp noninverting inverting output
 @1 output 0 noninverting inverting
@@ -247,6 +285,13 @@ const SpiceDefinition* SpiceDefinition::find_definition(std::string_view wanted)
       definitions.begin(), definitions.end(),
       [&](const SpiceDefinition& d) { return lower_spice(d.name) == lower_spice(wanted); });
   return found == definitions.end() ? nullptr : &*found;
+}
+
+const SpiceModel* SpiceDefinition::find_model(std::string_view wanted) const {
+  const auto found = std::find_if(models.begin(), models.end(), [&](const SpiceModel& m) {
+    return lower_spice(m.name) == lower_spice(wanted);
+  });
+  return found == models.end() ? nullptr : &*found;
 }
 
 SpiceDeck parse_spice_deck(std::string_view text, const std::filesystem::path& file) {

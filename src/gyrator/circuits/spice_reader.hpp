@@ -10,6 +10,14 @@
 
 namespace gyrator {
 
+/// A `.model` line.
+struct SpiceModel {
+  std::string name;  ///< as written
+  std::string type;  ///< lower case: "d", "npn"
+  std::string place;
+  SpiceCard card;  ///< its name and what is assigned; of diodes only
+};
+
 /// A subcircuit as its file states it, or (without pins) what stands outside of any.
 struct SpiceDefinition {
   std::string name;  ///< as written
@@ -18,11 +26,14 @@ struct SpiceDefinition {
   std::vector<SpiceParameter> defaults;    ///< of the `.subckt` line; an instance may override them
   std::vector<SpiceParameter> parameters;  ///< of its `.param` lines
   std::vector<SpiceCard> elements;
+  std::vector<SpiceModel> models;
   std::vector<SpiceDefinition> definitions;  ///< known inside of this one only
   bool built_in = false;
 
   /// The subcircuit of this name (in any case) that is defined here, or null.
   const SpiceDefinition* find_definition(std::string_view wanted) const;
+  /// The same for its models.
+  const SpiceModel* find_model(std::string_view wanted) const;
 };
 
 /// A file with all that it includes.

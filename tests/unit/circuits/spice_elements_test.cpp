@@ -165,20 +165,12 @@ TEST(SpiceElements, a_source_of_zero_is_an_ammeter_or_nothing_and_its_ac_part_is
                    [](Complex s) { return 5.0 + parallel(2, 1.0 / (1e-6 * s)); });
 }
 
-TEST(SpiceElements, a_constant_source_is_refused_with_its_value) {
-  EXPECT_EQ(
-      refuse_lines("V1 a n 5"),
-      "test.cir:2: 'V1 a n 5': a constant source of 5 V: only sources of 0 are read, a voltage "
-      "source as an ammeter");
-  EXPECT_TRUE(mentions(refuse_lines("I1 a b DC 1m AC 1"), {"constant source of 0.001 A"}));
-}
-
 TEST(SpiceElements, other_elements_are_refused_with_what_is_read) {
-  EXPECT_TRUE(mentions(
-      refuse_lines("R1 a b 1\nD1 a b 1N4148"),
-      {"test.cir:3: 'D1 a b 1N4148': diodes are not read", "R (resistors)", "X (subcircuits)"}));
+  EXPECT_TRUE(mentions(refuse_lines("R1 a b 1\nJ1 a b c 2N3819"),
+                       {"test.cir:3: 'J1 a b c 2N3819': junction transistors are not read",
+                        "R (resistors)", "D (diodes)", "X (subcircuits)"}));
   for (const char* line : {"Q1 a b c Q", "M1 a b c d M", "B1 a b V=1", "S1 a b c d S", "T1 a b c d",
-                           "@1 a b a b", "1 2 3", "\u00B5 a b", "()"}) {
+                           "@1 a b a b", "^1 a b 5", "1 2 3", "\u00B5 a b", "()"}) {
     EXPECT_TRUE(mentions(refuse_lines(line), {"test.cir:2: '", "are not read: allowed: R "}))
         << line;
   }

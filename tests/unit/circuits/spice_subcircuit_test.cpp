@@ -221,8 +221,8 @@ TEST(SpiceSubcircuit, a_file_may_bring_its_own_op_amp) {
 }
 
 TEST(SpiceSubcircuit, parameters_that_an_op_amp_does_not_have_are_refused) {
-  EXPECT_TRUE(mentions(refuse_lines("X1 o a o opamp Vmax=5\nR1 a o 1\nR2 o b 1"),
-                       {"test.cir:2", "unknown parameter 'vmax'", "aol, gbw"}));
+  EXPECT_TRUE(mentions(refuse_lines("X1 o a o opamp Slew=5\nR1 a o 1\nR2 o b 1"),
+                       {"test.cir:2", "unknown parameter 'slew'", "aol, gbw, vmax"}));
 }
 
 }  // namespace
