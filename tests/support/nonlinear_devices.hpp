@@ -59,7 +59,7 @@ inline std::vector<NamedDevice> make_nonlinear_devices() {
   add("op-amp at its limits", [&](Device& d) {
     // A resistance of 0.25 ohm, as long as the output can follow.
     d.drive.damping.emplace_back(
-        netlist("X1 m 0 o opamp Aol=1k GBW=100k Vmax=30m\nR1 a m 1k\nR2 m o 3k\nR3 a o 1"));
+        netlist("X1 m b o opamp Aol=1k GBW=100k Vmax=30m\nR1 a m 1k\nR2 m o 3k\nR3 a o 1"));
   });
   add("all at once", [](Device& d) {
     d.drive.motor->thermal = WindingThermal{.resistance = 8, .capacity = 1e-4};

@@ -1,6 +1,5 @@
 #include "gyrator/circuits/spice_writer.hpp"
 
-#include "gyrator/core/error.hpp"
 #include "gyrator/core/text.hpp"
 
 #include <algorithm>
@@ -16,6 +15,9 @@ template <class... Ts>
 struct Overloaded : Ts... {
   using Ts::operator()...;
 };
+
+// k T/q at 27 degC with ngspice 39's constants (CODATA 2014) [V].
+constexpr double ngspice_thermal_voltage = 1.38064852e-23 * 300.15 / 1.6021766208e-19;
 
 // Comments stand on one line: whatever would end it becomes a blank.
 std::string one_line(std::string text) {
@@ -68,6 +70,9 @@ class Writer {
     const int count = static_cast<int>(network_.elements().size());
     for (int i = 0; i < count; ++i) name_devices({i});
     for (int i = 0; i < count; ++i) write_element({i});
+    for (const NodeId id : options_.held_at_rest) {
+      hold(network_.nodes()[static_cast<std::size_t>(id.index)].name, node(id));
+    }
     return std::move(result_);
   }
 
@@ -103,23 +108,32 @@ class Writer {
             [](const CurrentControlledCurrentSource&) { return 'f'; },
             [](const Transformer&) { return 'e'; }, [](const Gyrator&) { return 'g'; },
             [](const MutualInductance&) { return 'k'; }, [](const IdealOpAmp&) { return 'e'; },
-            [](const auto&) { return 'x'; },  // refused by write_spice_netlist
+            [](const ConstantVoltageSource&) { return 'v'; },
+            [](const ConstantCurrentSource&) { return 'i'; }, [](const Diode&) { return 'd'; },
+            [](const auto&) { return 'b'; },  // of a formula
         },
         law);
   }
 
-  // A transformer's second port mirrors its current: it has an ammeter always.
+  static bool is_ammeter(const ElementLaw& law) {
+    return std::holds_alternative<VoltageSource>(law) ||
+           std::holds_alternative<ConstantVoltageSource>(law);
+  }
+
+  // A transformer's second port mirrors its current, and some laws are functions of theirs.
   bool needs_ammeter(ElementId id) const {
     const ElementLaw& law = network_.element(id).law;
-    if (std::holds_alternative<VoltageSource>(law)) return false;  // is one
-    return sensed_[at(id)] || std::holds_alternative<Transformer>(law);
+    if (is_ammeter(law)) return false;
+    return sensed_[at(id)] || std::holds_alternative<Transformer>(law) ||
+           std::holds_alternative<CurrentLimiter>(law) ||
+           std::holds_alternative<ThermalResistor>(law);
   }
 
   void name_devices(ElementId id) {
     const Element& element = network_.element(id);
     std::string& device = result_.devices[at(id)];
     device = make_name(letter_of(element.law), element.name);
-    if (std::holds_alternative<VoltageSource>(element.law)) {
+    if (is_ammeter(element.law)) {
       result_.ammeters[at(id)] = device;
     } else if (needs_ammeter(id)) {
       result_.ammeters[at(id)] = make_name('v', element.name + ".ammeter");
@@ -172,9 +186,60 @@ class Writer {
                           [](const Transformer&) { return std::string(", a transformer"); },
                           [](const Gyrator&) { return std::string(", a gyrator [S]"); },
                           [](const IdealOpAmp&) { return std::string(", an ideal op-amp"); },
+                          [](const VoltageClamp&) { return std::string(", a clamp"); },
+                          [&](const SaturatingConductance&) {
+                            return std::string(moves ? ", a friction brake" : ", saturating");
+                          },
+                          [](const CurrentLimiter&) { return std::string(", a current limiter"); },
+                          [](const ThermalResistor&) {
+                            return std::string(", a resistance that warms [ohm]");
+                          },
                           [](const auto&) { return std::string(); },
                       },
                       element.law);
+  }
+
+  // The voltage of a node over another, in a formula.
+  std::string across(NodeId positive, NodeId negative) const {
+    if (positive == negative) return "0";
+    if (negative == ground) return fmt::format("v({})", node(positive));
+    if (positive == ground) return fmt::format("(-v({}))", node(negative));
+    return fmt::format("v({},{})", node(positive), node(negative));
+  }
+  static std::string dead_zone(const std::string& y, double edge, double slope) {
+    return fmt::format("{2}*(max({0}-{1},0)+min({0}+{1},0))", y, format_number(edge),
+                       format_number(slope));
+  }
+  static std::string saturate(const std::string& y, double slope, double limit) {
+    return fmt::format("max(-{2},min({2},{1}*{0}))", y, format_number(slope), format_number(limit));
+  }
+
+  void hold(const std::string& name, const std::string& held) {
+    const std::string inner = names_.make("n" + options_.prefix + "_", name + ".hold");
+    const std::string inductor = make_name('l', name + ".hold");
+    line("holds " + one_line(name) + " at an operating point", inductor, held, inner, "1e15 ic=0");
+    const std::string resistor = make_name('r', name + ".hold");
+    line("", resistor, inner, "0", "1e-9");
+    // Of 1e15 H, a step of 1e-11 s would leave nothing of the other numbers in the equations.
+    result_.release += fmt::format("alter {} = 1e20\nalter {} = 1\n", resistor, inductor);
+  }
+
+  // C_th dh/dt = R(h) i^2 - h/R_th for the rise over the initial one, so that it starts from zero.
+  void write_thermal(ElementId id, const ThermalResistor& e, const std::string& p,
+                     const std::string& n, const std::string& comment) {
+    const std::string& name = network_.element(id).name;
+    const std::string warm = names_.make("n" + options_.prefix + "_", name + ".warming");
+    const std::string i = fmt::format("i({})", result_.ammeters[at(id)]);
+    const std::string rise = fmt::format("({}+v({}))", format_number(e.initial_rise), warm);
+    const std::string resistance = fmt::format("{}*(1+{}*{})", format_number(e.resistance),
+                                               format_number(e.temperature_coefficient), rise);
+    line(comment, result_.devices[at(id)], p, n, fmt::format("v={}*{}", resistance, i));
+    line("its heat, less what flows off [W]", make_name('b', name + ".heat"), "0", warm,
+         fmt::format("i={}*{}*{}-{}/{}", resistance, i, i, rise,
+                     format_number(e.thermal_resistance)));
+    line("its rise beyond the initial one [K]", make_name('c', name + ".warming"), warm, "0",
+         format_number(e.thermal_capacity), "ic=0");
+    hold(name + ".warming", warm);
   }
 
   void write_element(ElementId id) {
@@ -252,7 +317,48 @@ class Writer {
               line("holds its inputs equal", make_name('g', element.name), "0", drive,
                    node(e.control_positive), node(e.control_negative), "1");
             },
-            [](const auto&) {},  // refused by write_spice_netlist
+            [&](const ConstantVoltageSource& e) {
+              line(comment, device, p, n, "DC", number(e.voltage));
+            },
+            [&](const ConstantCurrentSource& e) {
+              line(comment, device, p, n, "DC", number(e.current));
+            },
+            [&](const Diode& e) {
+              const std::string model = make_name('m', element.name);
+              line(comment, device, p, n, model);
+              line("", ".model", model,
+                   fmt::format("d(is={} n={})", number(e.saturation_current),
+                               number(e.emission_voltage / ngspice_thermal_voltage)));
+            },
+            [&](const ThermalResistor& e) { write_thermal(id, e, p, n, comment); },
+            [&](const auto&) { line(comment, device, p, n, formula(id, p)); },
+        },
+        element.law);
+  }
+
+  // Piecewise linear laws. `p` is the node behind the element's ammeter, where it has one.
+  std::string formula(ElementId id, const std::string& p) const {
+    const Element& element = network_.element(id);
+    const std::string v = fmt::format("v({},{})", p, node(element.negative));
+    return std::visit(
+        Overloaded{
+            [&](const VoltageClamp& e) { return "i=" + dead_zone(v, e.voltage, 1 / e.resistance); },
+            [&](const SaturatingConductance& e) {
+              return "i=" + saturate(v, e.conductance, e.limit);
+            },
+            [&](const CurrentLimiter& e) {
+              const std::string i = fmt::format("i({})", result_.ammeters[at(id)]);
+              return "v=" + dead_zone(i, e.current, e.resistance);
+            },
+            [&](const LimitedVoltageControlledVoltageSource& e) {
+              return "v=" +
+                     saturate(across(e.control_positive, e.control_negative), e.gain, e.limit);
+            },
+            [&](const LimitedVoltageControlledCurrentSource& e) {
+              return "i=" + saturate(across(e.control_positive, e.control_negative),
+                                     e.transconductance, e.limit);
+            },
+            [](const auto&) { return std::string(); },  // has a device of its own
         },
         element.law);
   }
@@ -267,10 +373,6 @@ class Writer {
 }  // namespace
 
 SpiceNetlist write_spice_netlist(const Network& network, const SpiceOptions& options) {
-  if (const auto nonlinear = network.find_nonlinear()) {
-    throw Error(ErrorCode::bad_input, network.element(*nonlinear).name,
-                "nonlinear elements and constant sources are not written as SPICE");
-  }
   return Writer(network, options).write();
 }
 

@@ -20,6 +20,8 @@ struct SpiceOptions {
   /// written as ic=; empty for none. Other elements' entries are not read.
   std::vector<double> initial;
   SpiceMechanicalUnits mechanical;
+  /// Nodes that rest at zero at ngspice's operating point, as ours has the mechanics.
+  std::vector<NodeId> held_at_rest;
   /// Put before every name, so that several networks can stand in one netlist.
   std::string prefix;
 };
@@ -33,6 +35,8 @@ struct SpiceNetlist {
   std::vector<std::string> ammeters;
   /// By ElementId: the first SPICE device that stands for it, as for `alter`.
   std::vector<std::string> devices;
+  /// ngspice's commands before a transient: let go of what was held at an operating point.
+  std::string release;
 };
 
 /// Writes every element law as devices of SPICE3 and ngspice, exact to rounding:
@@ -50,7 +54,11 @@ struct SpiceNetlist {
 ///                      by E. Kirchhoff's law at that node is v_+ - v_- = 0, exactly.
 ///   CCVS, CCCS         H, F; a control that is no voltage source gets an ammeter in series
 ///
-/// Throws bad_input, naming it, for a nonlinear element or a constant source.
+///   Diode              D and its .model; N for V_e at ngspice's k T/q
+///   clamps, limits     B with min() and max(); its slope is that of the piece
+///   ThermalResistor    B, and the temperature's rise as the voltage of a node of its own
+///   constant sources   V, I with DC
+///   held nodes         1e15 H behind 1e-9 ohm to ground: a short at DC, nothing from 1e-3 Hz
 ///
 /// Node voltages alone are the same unknowns as the descriptor's.
 SpiceNetlist write_spice_netlist(const Network& network, const SpiceOptions& options = {});

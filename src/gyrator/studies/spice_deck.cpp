@@ -1,12 +1,11 @@
 #include "gyrator/studies/spice_deck.hpp"
 
+#include "gyrator/circuits/operating_point.hpp"
 #include "gyrator/circuits/reduction.hpp"
 #include "gyrator/circuits/spice_writer.hpp"
-#include "gyrator/core/error.hpp"
 #include "gyrator/core/text.hpp"
 #include "gyrator/cosim/sampled_plant.hpp"
 #include "gyrator/studies/model_format.hpp"
-#include "gyrator/studies/operating_point_fields.hpp"
 #include "gyrator/studies/results.hpp"
 #include "gyrator/version.hpp"
 
@@ -30,13 +29,19 @@ constexpr std::size_t points_per_line = 4;
 // run has them before its first command.
 std::vector<double> find_initial_values(const DeviceNetwork& device, const Plant& plant,
                                         const Model& model) {
-  const NetworkEquations equations(device.network);
+  const bool linear = device.network.is_linear();
+  const NetworkEquations equations =
+      linear ? NetworkEquations(device.network) : NetworkEquations::with_ports(device.network);
   const Reduction reduction = reduce(equations.descriptor());
   // The plant's state begins with the network's; positions are appended to it.
   const Eigen::VectorXd state =
       plant.initial_state(model.initial_position, model.initial_velocity).head(reduction.A.rows());
   Eigen::VectorXd inputs = Eigen::VectorXd::Zero(reduction.B.cols());
   inputs(device.external_effort) = model.external_effort;
+  if (!linear) {  // the ports' and that of the constant sources come last
+    const Eigen::VectorXd at_rest = find_operating_point(device.network).port_inputs;
+    inputs.tail(at_rest.size() + 1) << at_rest, 1;
+  }
   const Eigen::VectorXd unknowns =
       reduction.recover_state * state + reduction.recover_input * inputs;
   std::vector<double> initial;
@@ -75,6 +80,16 @@ std::string write_held_command(const TimeRun& run, const Sampling& sampling) {
   return text + ")";
 }
 
+// Our operating point has the mechanics at rest, and a position goes nowhere then.
+std::vector<NodeId> find_resting_nodes(const Network& network, NodeId position) {
+  std::vector<NodeId> nodes{position};
+  for (int i = 1; i < static_cast<int>(network.nodes().size()); ++i) {
+    if (network.nodes()[static_cast<std::size_t>(i)].domain == Domain::mechanical)
+      nodes.push_back({i});
+  }
+  return nodes;
+}
+
 double choose_step(const Plant& plant, double period, const std::optional<Rational>& wanted) {
   if (wanted) return wanted->to_double();
   double fastest = 0;  // [rad/s]
@@ -111,11 +126,6 @@ std::string write_title(const Model& model) {
 }  // namespace
 
 SpiceDeck make_spice_deck(const Model& model, const SpiceRequest& request) {
-  if (const auto nonlinear = find_nonlinear_element(model)) {
-    throw Error(
-        ErrorCode::bad_input, model.file,
-        fmt::format("{} is not linear: only linear models are written for ngspice", *nonlinear));
-  }
   SpiceDeck deck;
   SimulationRequest simulation;
   simulation.duration = request.duration;
@@ -127,7 +137,8 @@ SpiceDeck make_spice_deck(const Model& model, const SpiceRequest& request) {
   deck.has_current = std::find(columns.begin(), columns.end(), "current") != columns.end();
 
   DeviceNetwork device = build_device_network(model.device, model.held_by);
-  const Plant plant = build_plant(device);
+  const Plant plant = build_moving_plant(device);
+  const bool linear = device.network.is_linear();
   SpiceOptions options;
   options.inputs.resize(2);
   options.inputs[static_cast<std::size_t>(device.command)] =
@@ -146,6 +157,7 @@ SpiceDeck make_spice_deck(const Model& model, const SpiceRequest& request) {
   network.add("position.integral", position, ground, Capacitor{1}, Role::signal);
   options.initial.resize(network.elements().size());
   options.initial.back() = deck.run.trace.column("position").front();
+  if (!linear) options.held_at_rest = find_resting_nodes(network, position);
   const SpiceNetlist netlist = write_spice_netlist(network, options);
 
   const auto device_of = [&](const char* name) {
@@ -165,12 +177,14 @@ SpiceDeck make_spice_deck(const Model& model, const SpiceRequest& request) {
   text += fmt::format("* Position: 1 V is 1 {}, the integral of the port's velocity.\n",
                       units.position.symbol);
   text += fmt::format(
-      "\n* No operating point before .ac: a free device has none. Breakpoints as close as an "
-      "edge.\n"
-      ".options noopac method=trap reltol=1e-7 vntol={0} abstol={0} chgtol=1e-20 trtol=1"
+      "\n* {2}. Breakpoints as close as an edge.\n"
+      ".options{3} method=trap reltol=1e-7 vntol={0} abstol={0} chgtol=1e-20 trtol=1"
       " minbreak={1}\n",
       format_number(choose_absolute_tolerance(deck.run.trace)),
-      format_number(spice_edge_periods * period / 100));
+      format_number(spice_edge_periods * period / 100),
+      linear ? "No operating point before .ac: a free device has none"
+             : "The operating point before .ac has the mechanics at rest",
+      linear ? " noopac" : "");
   text += fmt::format(
       "\n.control\nset numdgt=16\nset wr_singlescale\nset wr_vecnames\n"
       "* The port driven, then the command: Z = f/v, and A = Z v - f.\n"
@@ -182,6 +196,7 @@ SpiceDeck make_spice_deck(const Model& model, const SpiceRequest& request) {
       drive, command, request.points_per_decade, format_number(request.from_hz),
       format_number(request.to_hz), current(device.operator_ammeter), node(device.port),
       deck.impedance_file);
+  text += netlist.release;
   text += fmt::format(
       "* The motion under the command as it was held, from the model's initial state.\n"
       "tran {0} {1} 0 {0} uic\n"
