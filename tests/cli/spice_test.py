@@ -38,6 +38,47 @@ class SpiceTest(ProgramTest):
             with self.subTest(held_by=held_by["kind"]):
                 self.deviations(name)
 
+    def test_ngspice_agrees_on_every_law_that_bends(self):
+        current = {"kind": "current", "bandwidth": "400 Hz"}
+        clamp = {"kind": "clamp", "voltage": "20 mV"}
+        brake = {"kind": "friction_brake", "damping": "1 mN.m.s/rad", "effort": "0.2 mN.m"}
+        warm = {"resistance": "5 K/W", "capacity": "20 mJ/K"}
+        netlists = {
+            "antiparallel diodes": "D1 a b X\nD2 b a X\n.model X D(Is=1u N=1.2 Rs=50m)",
+            # 5 V behind 1 k: the diode's slope at its bias is most of the 7 ohm.
+            "a bias": "V1 s b 5\nR1 s n 1k\nD1 n b X\nR2 n a 1\n.model X D",
+            "a bias current": "I1 b n 1m\nD1 n b X\nR2 n a 1\n.model X D",
+            "an op-amp at its limits": "X1 m b o opamp Aol=1k GBW=100k Vmax=30m\nR1 a m 1k\nR2 m o 3k\nR3 a o 1",
+        }
+        cases = {
+            "clamp": {"damping": [clamp]},
+            "friction brake": {"damping": [brake]},
+            "current limit": {"amplifier": current | {"current_limit": "10 mA"}},
+            "voltage limit": {"amplifier": current | {"voltage_limit": "20 mV"}},
+            "voltage amplifier": {"amplifier": {"kind": "voltage", "bandwidth": "800 Hz", "output_resistance": 0.7,
+                                                "voltage_limit": "50 mV", "current_limit": "10 mA"}},
+            "warming winding": {"motor": {"temperature_rise": 20, "thermal": warm}},
+            "all at once, held by a hand": {
+                "amplifier": current | {"current_limit": "30 mA", "voltage_limit": "40 mV"},
+                "damping": [clamp, brake], "motor": {"thermal": warm},
+                "operator": {"kind": "mass_spring_damper", "inertia": 1e-4, "damping": 1e-3, "stiffness": 1}},
+        }
+        for i, (name, lines) in enumerate(netlists.items()):
+            file = f"netlist{i}.cir"
+            (self.folder / file).write_text(f"* {name}\n.subckt c a b\n{lines}\n.ends\n")
+            cases[name] = {"damping": [{"kind": "netlist", "file": file}]}
+        for name, change in cases.items():
+            model = load_example()
+            model["simulation"] |= {"duration": "50 ms", "initial_velocity": 2}
+            model["motor"] |= change.get("motor", {})
+            model["damping"] += change.get("damping", [])
+            model |= {key: change[key] for key in ("amplifier", "operator") if key in change}
+            with self.subTest(name):
+                found = self.deviations(self.write_model(model))
+                self.assertLess(found["impedance"]["worst"], 1e-6)
+                for quantity in ("position", "velocity", "current"):
+                    self.assertLess(found[quantity]["worst"], 1e-4)
+
     def test_a_delay_across_periods_is_in_the_held_command(self):
         model = with_value(load_example(), "/sampling/delay", "2.3 ms")
         self.deviations(self.write_model(with_value(model, "/simulation/duration", "0.1 s")))

@@ -200,5 +200,32 @@ TEST(SpiceWriter, numbers_have_no_suffix_that_spice_would_misread) {
   EXPECT_NE(lines.find("c_c n_a 0 0.0022 ic=-0.125 ;"), std::string::npos) << lines;
 }
 
+TEST(SpiceWriter, laws_that_bend_are_formulas_of_their_pieces) {
+  Network network;
+  const NodeId a = network.add_node("a", Domain::electrical);
+  const NodeId b = network.add_node("b", Domain::electrical);
+  network.add("clamp", a, b, VoltageClamp{2, 0.5});
+  network.add("brake", a, ground, SaturatingConductance{3, 4});
+  network.add("limiter", a, b, CurrentLimiter{5, 6});
+  network.add("e", a, ground, LimitedVoltageControlledVoltageSource{7, 8, a, b});
+  network.add("g", a, ground, LimitedVoltageControlledCurrentSource{-9, 10, ground, b});
+  network.add("bias", a, ground, ConstantVoltageSource{11});
+  network.add("offset", a, b, ConstantCurrentSource{-12});
+  network.add("d", a, b, Diode{1e-9, 2 * 1.38064852e-23 * 300.15 / 1.6021766208e-19});
+  const SpiceNetlist netlist = write_spice_netlist(network);
+  for (const char* line :
+       {"\nb_clamp n_a n_b i=2*(max(v(n_a,n_b)-2,0)+min(v(n_a,n_b)+2,0)) ;",
+        "\nb_brake n_a 0 i=max(-4,min(4,3*v(n_a,0))) ;",
+        "\nb_limiter n_limiter_inner n_b v=6*(max(i(v_limiter_ammeter)-5,0)+"
+        "min(i(v_limiter_ammeter)+5,0)) ;",
+        "\nb_e n_a 0 v=max(-8,min(8,7*v(n_a,n_b))) ;",
+        "\nb_g n_a 0 i=max(-10,min(10,-9*(-v(n_b)))) ;", "\nv_bias n_a 0 DC 11 ;",
+        "\ni_offset n_a n_b DC -12 ;", "\nd_d n_a n_b m_d ;", "\n.model m_d d(is=1e-09 n=2)\n"}) {
+    EXPECT_NE(netlist.lines.find(line), std::string::npos) << line << " in\n" << netlist.lines;
+  }
+  EXPECT_EQ(netlist.ammeters[5], "v_bias");
+  EXPECT_EQ(netlist.release, "") << "nothing is held unless it is asked for";
+}
+
 }  // namespace
 }  // namespace gyrator
