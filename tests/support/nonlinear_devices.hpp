@@ -54,7 +54,7 @@ inline std::vector<NamedDevice> make_nonlinear_devices() {
         parse_subcircuit(std::string(".subckt s a b\n") + lines + "\n.ends\n", "test.cir", "s")};
   };
   add("antiparallel diodes", [&](Device& d) {
-    d.drive.damping.emplace_back(netlist("D1 a b X\nD2 b a X\n.model X D(Is=1u N=1.2 Rs=50m)"));
+    d.drive.damping.emplace_back(netlist("D1 a b X\nD2 b a X\n.model X D(Is=10m Rs=50m)"));
   });
   add("op-amp at its limits", [&](Device& d) {
     // A resistance of 0.25 ohm, as long as the output can follow.
