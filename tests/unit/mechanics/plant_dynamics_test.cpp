@@ -3,6 +3,7 @@
 #include "gyrator/circuits/operating_point.hpp"
 #include "gyrator/core/error.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
