@@ -44,10 +44,10 @@ class SpiceTest(ProgramTest):
         brake = {"kind": "friction_brake", "damping": "1 mN.m.s/rad", "effort": "0.2 mN.m"}
         warm = {"resistance": "5 K/W", "capacity": "20 mJ/K"}
         netlists = {
-            "antiparallel diodes": "D1 a b X\nD2 b a X\n.model X D(Is=1u N=1.2 Rs=50m)",
-            # 5 V behind 1 k: the diode's slope at its bias is most of the 7 ohm.
-            "a bias": "V1 s b 5\nR1 s n 1k\nD1 n b X\nR2 n a 1\n.model X D",
-            "a bias current": "I1 b n 1m\nD1 n b X\nR2 n a 1\n.model X D",
+            "antiparallel diodes": "D1 a b X\nD2 b a X\n.model X D(Is=10m Rs=50m)",
+            # 4 mA through a diode, which small signals meet as 6 ohm.
+            "a bias": "V1 s b 5\nR1 s n 1k\nD1 n b X\nC1 n a 100u\n.model X D",
+            "a bias current": "I1 b n 1m\nD1 n b X\nC1 n a 100u\n.model X D",
             "an op-amp at its limits": "X1 m b o opamp Aol=1k GBW=100k Vmax=30m\nR1 a m 1k\nR2 m o 3k\nR3 a o 1",
         }
         cases = {
