@@ -50,7 +50,8 @@ class NonlinearTest(ProgramTest):
             self.assertAlmostEqual(ranges["damping.2.clamp"]["from"], -0.02, places=12)
             self.assertAlmostEqual(ranges["amplifier.voltage_limit"]["to"], 24, places=9)
             self.assertEqual(ranges["amplifier.current_limit"]["quantity"], "command")
-            self.assertAlmostEqual(ranges["amplifier.current_limit"]["to"], 0.1, places=9)
+            # 1 A K_t; of it the clamp's leakage of 1e-6 S takes R_m 1e-6
+            self.assertAlmostEqual(ranges["amplifier.current_limit"]["to"], 0.1, delta=2e-6 * 0.1)
             self.assertAlmostEqual(ranges["motor.resistance"]["to"], 0.01 / 0.00393, places=9)
         text = self.run_program("impedance", model).out
         self.assertIn("|velocity| < 200 mrad/s", text)
@@ -60,7 +61,8 @@ class NonlinearTest(ProgramTest):
         plain = bent()
         plain["amplifier"] = {"kind": "current", "bandwidth": "400 Hz"}
         plain["damping"] = plain["damping"][:1] + [
-            {"kind": "eddy_current_brake", "damping": BRAKE["damping"]}]
+            {"kind": "eddy_current_brake", "damping": BRAKE["damping"]},
+            {"kind": "resistor", "resistance": 1e6}]  # the clamp's leakage
         del plain["motor"]["thermal"]
         ours = self.ask("impedance", self.write_model(bent()))
         theirs = self.ask("impedance", self.write_model(plain))

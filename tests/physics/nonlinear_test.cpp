@@ -194,6 +194,7 @@ TEST(Nonlinear, a_winding_warms_to_its_steady_rise_or_runs_away) {
 TEST(Nonlinear, equals_the_exact_linear_run_where_no_law_bends) {
   Device linear = make_rc_display();
   linear.drive.damping.emplace_back(EddyCurrentBrake{.damping = 1e-4});
+  linear.drive.damping.emplace_back(ResistorDamping{1 / ClampDamping::leakage});
   Device limited = make_rc_display();
   limited.drive.damping.emplace_back(FrictionBrake{.damping = 1e-4, .effort = 1});
   limited.drive.damping.emplace_back(ClampDamping{.voltage = 24});

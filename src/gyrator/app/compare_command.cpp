@@ -1,3 +1,4 @@
+#include "gyrator/core/error.hpp"
 #include "gyrator/documents/csv.hpp"
 #include "gyrator/studies/comparison.hpp"
 #include "gyrator/studies/model_format.hpp"
@@ -98,6 +99,10 @@ void run(const Options& options) {
     request.damping = parse_list("--damping", options.damping, units.damping);
   request.temperature_step =
       parse_option("--temperature-step", options.temperature_step, dimension::temperature);
+  if (!(request.temperature_step > 0)) {
+    throw Error(ErrorCode::bad_input, "--temperature-step",
+                fmt::format("{:g} K: must be above 0 K", request.temperature_step));
+  }
   const nlohmann::json result = make_comparison_result(models, request);
   if (!options.common.csv.empty()) write_boundaries(options.common.csv, result);
   deliver(options.common, result, describe(result, units));

@@ -1,9 +1,11 @@
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/text.hpp"
 #include "gyrator/documents/csv.hpp"
+#include "gyrator/mechanics/stability.hpp"
 #include "gyrator/studies/model_format.hpp"
 #include "gyrator/studies/results.hpp"
 
+#include <algorithm>
 #include <memory>
 
 #include <fmt/core.h>
@@ -43,6 +45,21 @@ std::string describe_outcome(const nlohmann::json& result, const MotionUnits& un
                      format_quantity(result["oscillation"]["amplitude"], units.position));
 }
 
+// How warm the winding became, where the model follows it.
+std::string describe_winding(const nlohmann::json& result) {
+  const auto& trace = result["trace"];
+  if (!trace.contains("winding_temperature_rise")) return "";
+  const std::vector<double> rise = trace["winding_temperature_rise"];
+  const double largest = *std::max_element(rise.begin(), rise.end());
+  std::string text =
+      fmt::format("\nwinding: {:.4g} K above the reference at the end, {:.4g} K at most\n",
+                  rise.back(), largest);
+  if (largest > hottest_rise)
+    text += fmt::format("No winding survives more than {:g} K: from there on the run is fiction.\n",
+                        hottest_rise);
+  return text;
+}
+
 std::string describe(const Model& model, const nlohmann::json& result, bool verbose) {
   const MotionUnits& units = units_of(model.device.motion);
   const auto& e = result["energy"];
@@ -62,6 +79,7 @@ std::string describe(const Model& model, const nlohmann::json& result, bool verb
   row("- turned into heat", e["dissipated"]);
   row("= stored at the end", e["stored"]);
   row("not accounted for (residual)", e["residual"]);
+  text += describe_winding(result);
   if (verbose) {
     const auto& oscillation = result["oscillation"];
     text += fmt::format(

@@ -183,12 +183,24 @@ void check_at_most_one(const Drive& drive, const char* kind) {
   bool seen = false;
   for (std::size_t i = 0; i < drive.damping.size(); ++i) {
     if (!std::holds_alternative<Kind>(drive.damping[i])) continue;
-    if (seen) refuse(i, fmt::format("a second {}: one at most; put both into one", kind));
+    if (seen) refuse(i, fmt::format("a second {}: a drive has one at most", kind));
     seen = true;
   }
 }
 
+bool has_voltage_limit(const Amplifier& amplifier) {
+  if (const auto* current = std::get_if<CurrentAmplifier>(&amplifier))
+    return current->voltage_limit.has_value();
+  const auto* voltage = std::get_if<VoltageAmplifier>(&amplifier);
+  return voltage && voltage->voltage_limit;
+}
+
 void check_cancellation(const Drive& drive, std::size_t i) {
+  if (has_voltage_limit(drive.amplifier)) {
+    refuse(i,
+           "resistance_cancellation with the amplifier's voltage_limit: the limit would bound the "
+           "command alone, not the voltage that the cancellation adds; leave out one of them");
+  }
   const bool branch = std::any_of(drive.damping.begin(), drive.damping.end(), is_across);
   if (branch || std::holds_alternative<VoltageAmplifier>(drive.amplifier)) return;
   refuse(i, std::holds_alternative<CurrentAmplifier>(drive.amplifier)

@@ -51,7 +51,7 @@ bool PortLoop::is_rounding(const Eigen::VectorXd& q) const {
   for (Eigen::Index k = 0; k < q.size(); ++k) {
     double terms = std::abs(y_(k)) + std::abs(q(k));
     for (Eigen::Index j = 0; j < q.size(); ++j) terms += std::abs(F_(k, j) * w_(j));
-    if (std::abs(residual_(k)) > eps * terms) return false;
+    if (!(std::abs(residual_(k)) <= eps * terms)) return false;
   }
   return true;
 }

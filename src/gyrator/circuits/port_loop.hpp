@@ -12,9 +12,10 @@ namespace gyrator {
 ///   y = q + F w(y),   w_k = law_k(y_k) + leak_k y_k - companion_k y_k            (port-2)
 /// y arguments, q what state and inputs give with w = 0, F the network's answer to w.
 ///
-/// Newton with steps shortened until the correction shrinks (Deuflhard's natural test), started
-/// from the last solution; piecewise linear laws take a few steps. Every law rises, so in a network
-/// of passive elements the solution is unique.
+/// Newton from the last solution, a diode's steps shortened; piecewise linear laws take a few
+/// steps. Where that runs in circles, the solution is followed from the last one in parts. Every
+/// law rises, so in a network of passive elements the solution is unique (a drive that feeds back
+/// is none).
 class PortLoop {
  public:
   PortLoop() = default;

@@ -146,10 +146,10 @@ class CvodeEngine final : public Engine {
     if (flag >= 0) return;
     throw Error(
         ErrorCode::numerical, fmt::format("t = {:.9g} s", time),
-        fmt::format("the cvode engine gave up ({} returned {}{}{}); use the exact engine, or raise "
-                    "--max-steps or the tolerance",
-                    function, CVodeGetReturnFlagName(flag), message_.empty() ? "" : ": ",
-                    message_));
+        fmt::format("the cvode engine gave up ({} returned {}{}{}); {}raise --max-steps or the "
+                    "tolerance",
+                    function, CVodeGetReturnFlagName(flag), message_.empty() ? "" : ": ", message_,
+                    dynamics_ ? "" : "use the exact engine, or "));
   }
 
   // C callbacks. Nothing is thrown through SUNDIALS: an exception is kept and rethrown after.

@@ -97,8 +97,8 @@ class OdeintEngine final : public Engine {
     throw Error(
         ErrorCode::numerical, fmt::format("t = {:.9g} s", time),
         fmt::format(
-            "the odeint engine gave up after {} steps in one segment: {}; use the exact or cvode "
-            "engine, or raise --max-steps",
+            "the odeint engine gave up after {} steps in one segment: {}; use another engine "
+            "(exact for a linear model, cvode for any), or raise --max-steps",
             steps, why));
   }
 

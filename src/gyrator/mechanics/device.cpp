@@ -118,7 +118,12 @@ double find_amplifier_gain(const Device& device) {
   // An analog position loop does nothing at its centre, where the effort was measured.
   std::erase_if(as_calibrated.drive.damping,
                 [](const Damping& d) { return std::holds_alternative<HeldImpedance>(d); });
-  const double gain = find_gain(as_calibrated);
+  double gain = find_gain(as_calibrated);
+  if (gain < 0 && as_calibrated.drive.motor) {
+    // Over-cancelled there: whoever tuned it so did it with the winding as warm as it is now.
+    as_calibrated.drive.motor->temperature_rise = device.drive.motor->temperature_rise;
+    gain = find_gain(as_calibrated);
+  }
   if (std::isfinite(gain) && gain != 0) return gain;
   throw Error(ErrorCode::bad_input, "amplifier",
               "no steady effort reaches the shaft: the command cannot be scaled to the blocked "

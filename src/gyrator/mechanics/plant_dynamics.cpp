@@ -36,10 +36,11 @@ const VectorXd& PlantDynamics::solve(const VectorXd& xi, const Eigen::Vector2d& 
   q_ += nl_.D.rightCols(1);
   const int failed = loop_.solve(q_);
   if (failed >= 0) {
+    const double argument = loop_.arguments()(failed);
     loop_.start_from(nl_.at_rest);
     throw Error(ErrorCode::numerical, nl_.ports[static_cast<std::size_t>(failed)].element,
                 fmt::format("its law and the circuit around it agree on no point (argument {:g})",
-                            loop_.arguments()(failed)));
+                            argument));
   }
   inputs_.segment(2, p) = loop_.inputs();
   return inputs_;

@@ -113,7 +113,9 @@ class Judge {
       if (criterion.name == "frequency_dependent") textbook = &criterion;
     }
     if (v.passive) {
-      v.explanation = "No passive operator can make the loop unstable.";
+      v.explanation = "No passive operator can make the loop unstable";
+      const bool linear = build_device_network(model_.device, FreeOperator{}).network.is_linear();
+      v.explanation += linear ? "." : " while its motion stays small (the device is not linear).";
       const bool waves = std::holds_alternative<WaveController>(model_.controller);
       if (!textbook->holds && waves)
         v.explanation += " Computed from the position, the same wall would fail [8.46].";

@@ -11,7 +11,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
+#include <boost/math/tools/minima.hpp>
 #include <fmt/core.h>
 
 namespace gyrator {
@@ -24,6 +26,7 @@ constexpr double fast_hz = 100;
 
 // A range that feasibility does not end is cut here, as a multiple of the device's own damping.
 constexpr double widest_range = 1e9;
+constexpr double narrowest_range = 1e-9;
 
 json finite_or_null(double value) {
   return std::isfinite(value) ? json(value) : json(nullptr);
@@ -45,7 +48,7 @@ struct Design {
   double widest_damping = 0;  // beyond which no stiffness is passive; infinite if nothing bounds it
   std::vector<double> damping;
   std::vector<StiffnessLimit> found;
-  std::size_t best = 0;
+  double best_damping = 0, best_stiffness = 0;
 };
 
 double find_widest_damping(StiffnessLimits& limits) {
@@ -54,6 +57,7 @@ double find_widest_damping(StiffnessLimits& limits) {
   };
   const double b =
       std::max(limits.disk().model().at(limits.grid().front()).impedance.real(), 1e-12);
+  if (!feasible(0)) return 0;
   double low = 0;
   double high = b;
   while (feasible(high)) {
@@ -61,7 +65,7 @@ double find_widest_damping(StiffnessLimits& limits) {
     high *= 2;
     if (high > widest_range * b) return INFINITY;
   }
-  while (high - low > 1e-4 * high) {
+  while (high - low > 1e-4 * high && high > narrowest_range * b) {
     const double middle = (low + high) / 2;
     (feasible(middle) ? low : high) = middle;
   }
@@ -92,6 +96,10 @@ json at_temperature(const Model& nominal, double step, double damping) {
                  {"max_stiffness", nullptr},
                  {"damping_100hz", nullptr}};
   if (model.device.drive.motor) model.device.drive.motor->temperature_rise += step;
+  if (model.device.drive.motor && !(model.device.drive.motor->warm_resistance() > 0)) {
+    result["stable"] = false;
+    return result;
+  }
   result["temperature_rise"] =
       model.device.drive.motor ? json(model.device.drive.motor->temperature_rise) : json(nullptr);
   try {
@@ -106,6 +114,26 @@ json at_temperature(const Model& nominal, double step, double damping) {
   return result;
 }
 
+// The largest stiffness; between the points of a range as well, so that it does not hang on them.
+void find_best(Design& design, bool refine) {
+  std::size_t best = 0;
+  for (std::size_t i = 0; i < design.found.size(); ++i) {
+    if (design.found[i].stiffness > design.found[best].stiffness) best = i;
+  }
+  design.best_damping = design.damping[best];
+  design.best_stiffness = design.found[best].stiffness;
+  const bool inside = best > 0 && best + 1 < design.damping.size();
+  if (!refine || !inside || !std::isfinite(design.best_stiffness)) return;
+  constexpr int bits = 12;
+  std::uintmax_t most = 20;
+  const auto [damping, lowest] = boost::math::tools::brent_find_minima(
+      [&](double b) { return -design.limits.find(Criterion::exact_disk, b).stiffness; },
+      design.damping[best - 1], design.damping[best + 1], bits, most);
+  if (-lowest <= design.best_stiffness) return;
+  design.best_damping = damping;
+  design.best_stiffness = -lowest;
+}
+
 json design_json(const Design& design, double temperature_step) {
   const Model& model = *design.model;
   json stiffness = json::array();
@@ -114,15 +142,15 @@ json design_json(const Design& design, double temperature_step) {
     stiffness.push_back(finite_or_null(limit.stiffness));
     feasible.push_back(limit.feasible);
   }
-  const double best_damping = design.damping[design.best];
-  json result = {{"name", model.name},
-                 {"file", model.file},
-                 {"damping", design.damping},
-                 {"max_stiffness", stiffness},
-                 {"feasible", feasible},
-                 {"best",
-                  {{"damping", best_damping},
-                   {"max_stiffness", finite_or_null(design.found[design.best].stiffness)}}}};
+  const double best_damping = design.best_damping;
+  json result = {
+      {"name", model.name},
+      {"file", model.file},
+      {"damping", design.damping},
+      {"max_stiffness", stiffness},
+      {"feasible", feasible},
+      {"best",
+       {{"damping", best_damping}, {"max_stiffness", finite_or_null(design.best_stiffness)}}}};
   result.update(felt_json(model.device));
   result["colder"] = at_temperature(model, -temperature_step, best_damping);
   result["warmer"] = at_temperature(model, temperature_step, best_damping);
@@ -154,7 +182,7 @@ json make_comparison_result(const std::vector<Model>& models, const ComparisonRe
     } catch (const Error& error) {
       throw Error(error.code(), model.file + ": /" + error.place(), error.message());
     }
-    Design design{&model, make_limits(model), 0, {}, {}, 0};
+    Design design{&model, make_limits(model), 0, {}, {}};
     if (request.damping.empty()) design.widest_damping = find_widest_damping(design.limits);
     if (std::isfinite(design.widest_damping)) widest = std::max(widest, design.widest_damping);
     if (design.widest_damping > 0) narrowest = std::min(narrowest, design.widest_damping);
@@ -179,9 +207,7 @@ json make_comparison_result(const std::vector<Model>& models, const ComparisonRe
     }
     for (const double damping : design.damping)
       design.found.push_back(design.limits.find(Criterion::exact_disk, damping));
-    for (std::size_t i = 0; i < design.found.size(); ++i) {
-      if (design.found[i].stiffness > design.found[design.best].stiffness) design.best = i;
-    }
+    find_best(design, request.damping.empty());
     progress.advance();
     result["designs"].push_back(design_json(design, request.temperature_step));
     progress.advance();

@@ -57,10 +57,15 @@ HighPassDamper high_pass_damper_of(const json& d) {
 // The path stands relative to the model file's folder.
 NetlistDamping netlist_of(const json& d, const std::string& model_file) {
   const auto path = std::filesystem::path(model_file).parent_path() / d["file"].get<std::string>();
-  SpiceCircuit circuit =
-      read_subcircuit(path, d["subckt"].get<std::string>(), {d["allow_negative"].get<bool>()});
-  check_two_terminals(circuit);
-  return {std::move(circuit)};
+  try {
+    SpiceCircuit circuit =
+        read_subcircuit(path, d["subckt"].get<std::string>(), {d["allow_negative"].get<bool>()});
+    check_two_terminals(circuit);
+    return {std::move(circuit)};
+  } catch (const Error& error) {  // the reader knows the netlist, not who asked for it
+    throw Error(error.code(), error.place(),
+                fmt::format("{} (netlist of {})", error.message(), model_file));
+  }
 }
 
 // One line per kind of the list. The motor gives what the drive would be set up with by default.

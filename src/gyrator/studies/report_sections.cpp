@@ -106,7 +106,10 @@ ReportSection passivity_section(const json& result) {
 std::string passivity_sentence(const json& result) {
   if (optional_text(result, "verdict") == "passive")
     return "Passive: with " + wall_in_words(result) +
-           ", no passive operator, from a loose finger to a heavy tool, can make it unstable.";
+           ", no passive operator, from a loose finger to a heavy tool, can make it unstable" +
+           (has(result, "operating_point") ? " while its motion stays small: the device is not "
+                                             "linear, see the simulation."
+                                           : ".");
   if (has(result, "counterexample"))
     return "Not passive: with " + wall_in_words(result) + ", it becomes unstable with " +
            operator_in_words(result) + ".";

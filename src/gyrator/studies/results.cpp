@@ -221,7 +221,7 @@ std::vector<double> choose_damping_range(const Model& model, int points) {
   // Upwards until the exact disk allows no stiffness any more.
   double high = std::max(b, 1e-12);
   double low = 0;
-  for (int i = 0; i < 60 && feasible(high); ++i) {
+  for (int i = 0; i < 24 && feasible(high); ++i) {
     low = high;
     high *= 2;
   }

@@ -90,10 +90,11 @@ struct DampingParts {
   }
 
   void operator()(const ClampDamping& d) const {
-    diagram.across.push_back({{Symbol::clamp,
-                               "clamp across the motor",
-                               "D" + index,
-                               {print_quantity(d.voltage, dimension::voltage)}}});
+    diagram.across.push_back(
+        {{Symbol::clamp,
+          "clamp across the motor",
+          "D" + index,
+          {print_quantity(d.voltage, dimension::voltage), ohms(d.resistance)}}});
   }
 
   void operator()(const FrictionBrake& d) const {

@@ -33,7 +33,7 @@ SpiceDeviation compare_response(const std::string& quantity, const NgspiceTable&
     const std::complex<double> theirs(table.columns[column][i], table.columns[column + 1][i]);
     const std::complex<double> mine = ours[i].*member;
     const double off = theirs == mine ? 0 : std::abs(theirs - mine) / std::abs(mine);
-    if (off <= found.worst) continue;  // a NaN is taken
+    if (off <= found.worst || std::isnan(found.worst)) continue;  // a NaN is taken and stays
     found.worst = off;
     found.at = table.columns[0][i];
   }
@@ -58,7 +58,7 @@ SpiceDeviation compare_motion(const std::string& quantity, const NgspiceTable& t
         span > 0 ? std::clamp((time[k] - their_time[before]) / span, 0.0, 1.0) : 1.0;
     const double value = theirs[before] + part * (theirs[next] - theirs[before]);
     const double off = value == ours[k] ? 0 : std::abs(value - ours[k]) / largest;
-    if (off <= found.worst) continue;
+    if (off <= found.worst || std::isnan(found.worst)) continue;
     found.worst = off;
     found.at = time[k];
   }

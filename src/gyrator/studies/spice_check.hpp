@@ -19,8 +19,8 @@ struct SpiceDeviation {
 };
 
 /// Runs ngspice on the deck and compares: Z and A with those straight from the network's equations
-/// at every frequency, the motion with the run of the engine that `simulate` takes at every sample instant.
-/// Errors as those of run_ngspice.
+/// at every frequency, the motion with the run of the engine that `simulate` takes at every sample
+/// instant. Errors as those of run_ngspice.
 std::vector<SpiceDeviation> check_spice_deck(const Model& model, const SpiceRequest& request,
                                              const SpiceDeck& deck);
 

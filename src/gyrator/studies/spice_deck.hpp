@@ -23,8 +23,8 @@ struct SpiceRequest {
 /// command, and from velocity v and effort f at the port
 ///   Z = f/v  (no command)        A = Z v - f  (command 1)                          (spice-1)
 /// whatever operator holds the port. Transient: the command that the amplifier holds in the run of
-/// the sampled loop (exact engine; cvode where the model is not linear), as a piecewise linear source whose edges ngspice cannot step
-/// over, from the model's initial state.
+/// the sampled loop (exact engine; cvode where the model is not linear), as a piecewise linear
+/// source whose edges ngspice cannot step over, from the model's initial state.
 struct SpiceDeck {
   std::string text;
   /// Relative names of the files that ngspice writes: frequency, Re and Im of Z and of A; time,
