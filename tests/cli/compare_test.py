@@ -2,9 +2,10 @@
 
 import copy
 import json
+import subprocess
 import unittest
 
-from program import EXAMPLES, ProgramTest
+from program import EXAMPLES, ROOT, ProgramTest, program
 
 RE25 = {
     "schema": "gyrator/model/1", "name": "cancelled", "motion": "rotary",
@@ -68,6 +69,30 @@ class CompareTest(ProgramTest):
         self.assert_refused(
             self.run_program("compare", EXAMPLES / "re25_display.json", EXAMPLES / "p3_plant.json"),
             "p3_plant.json: /motion")
+
+    def test_the_study_of_dampings_gives_what_the_readme_says(self):
+        kinds = ("none", "resistor", "rc", "cancellation", "back_emf", "wave", "held_impedance")
+        models = [EXAMPLES / "compare" / f"re25_{kind}.json" for kind in kinds]
+        found = [d["max_stiffness"][0] for d in self.compare(*models, "--damping", "0")["designs"]]
+        table = (ROOT / "README.md").read_text().split("| RE25, T = 1 ms |")[1].split("\n\n")[0]
+        printed = [row.split("|")[2].strip() for row in table.splitlines()[2:]]
+        self.assertEqual(len(printed), len(kinds))
+        for text, stiffness in zip(printed, found):
+            if text == "no limit":
+                self.assertIsNone(stiffness)
+                continue
+            number, unit = text.split()
+            scale = {"N·m/rad": 1, "mN·m/rad": 1e-3}[unit]
+            last_digit = 10 ** -len(number.partition(".")[2])
+            self.assertAlmostEqual(stiffness / scale, float(number), delta=0.51 * last_digit)
+
+    def test_the_study_script_leaves_pictures_and_a_report(self):
+        done = subprocess.run([str(EXAMPLES / "compare-dampings"), program(), str(self.folder / "out")],
+                              capture_output=True, text=True, timeout=60)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("RE35, wave drive", done.stdout)
+        self.assertLessEqual({"compare.html", "compare_re25.svg", "compare_re35.csv"},
+                             {path.name for path in (self.folder / "out").iterdir()})
 
     def test_the_picture_and_the_report_show_every_design(self):
         folder = self.folder
