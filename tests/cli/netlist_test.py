@@ -121,6 +121,11 @@ class NetlistTest(ProgramTest):
         self.assert_netlist_refused("* x\n.subckt c a b\nD1 a b X\n.model X D(Cjo=4p)\n.ends\n",
                                     "circuit.cir:4", "cjo", "capacitance")
 
+    def test_a_circuit_that_makes_the_device_oscillate_is_named(self):
+        damping = self.write_netlist("* x\n.subckt damp a b\nR1 a b -3\n.ends\n")
+        answer = self.run_program("impedance", self.model_with(damping | {"allow_negative": True}))
+        self.assert_refused(answer, "model.json: /damping/0", "unstable", "without this damping")
+
     def test_a_negative_resistance_may_be_asked_for(self):
         damping = self.write_netlist("* x\n.subckt damp a b\nR1 a b 5\nR2 a b -50\n.ends\n")
         result = self.ask("impedance", self.model_with(damping | {"allow_negative": True}),

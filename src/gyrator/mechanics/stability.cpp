@@ -122,6 +122,21 @@ StabilityEdge find_edge_held(const Device& device, const Operator& held_by, doub
   return edge;
 }
 
+// The damping that may supply energy and without which the device is stable, if there is one.
+std::optional<std::size_t> find_active_culprit(const Device& device, const Operator& held_by) {
+  for (std::size_t i = 0; i < device.drive.damping.size(); ++i) {
+    const Damping& damping = device.drive.damping[i];
+    if (!std::holds_alternative<NetlistDamping>(damping) &&
+        !std::holds_alternative<BackEmfDamping>(damping)) {
+      continue;
+    }
+    Device without = device;
+    without.drive.damping.erase(without.drive.damping.begin() + static_cast<std::ptrdiff_t>(i));
+    if (!find_unstable_pole(build_device_network(without, held_by))) return i;
+  }
+  return std::nullopt;
+}
+
 [[noreturn]] void throw_cancellation_exceeded(const Device& device, const std::string& how) {
   std::size_t at = 0;
   while (!std::holds_alternative<ResistanceCancellation>(device.drive.damping[at])) ++at;
@@ -175,6 +190,11 @@ void require_stable_device(const Device& whole) {
         clamped ? "clamped" : "free", pole->real, pole->imag, std::numbers::ln2 / pole->real);
     Device copy = device;
     if (find_cancellation(copy)) throw_cancellation_exceeded(device, how);
+    if (const auto active = find_active_culprit(device, held_by)) {
+      throw Error(
+          ErrorCode::bad_input, fmt::format("damping/{}", *active),
+          how + "; without this damping it is stable: it supplies more than the rest takes");
+    }
     throw Error(ErrorCode::numerical, pole->element,
                 how +
                     ": the amplifier's loop and this element oscillate; lower the amplifier's "
