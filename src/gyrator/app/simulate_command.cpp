@@ -1,11 +1,9 @@
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/text.hpp"
 #include "gyrator/documents/csv.hpp"
-#include "gyrator/mechanics/stability.hpp"
 #include "gyrator/studies/model_format.hpp"
 #include "gyrator/studies/results.hpp"
 
-#include <algorithm>
 #include <memory>
 
 #include <fmt/core.h>
@@ -47,16 +45,13 @@ std::string describe_outcome(const nlohmann::json& result, const MotionUnits& un
 
 // How warm the winding became, where the model follows it.
 std::string describe_winding(const nlohmann::json& result) {
-  const auto& trace = result["trace"];
-  if (!trace.contains("winding_temperature_rise")) return "";
-  const std::vector<double> rise = trace["winding_temperature_rise"];
-  const double largest = *std::max_element(rise.begin(), rise.end());
+  if (!result.contains("winding")) return "";
+  const auto& winding = result["winding"];
   std::string text =
       fmt::format("\nwinding: {:.4g} K above the reference at the end, {:.4g} K at most\n",
-                  rise.back(), largest);
-  if (largest > hottest_rise)
-    text += fmt::format("No winding survives more than {:g} K: from there on the run is fiction.\n",
-                        hottest_rise);
+                  winding["final_rise"].get<double>(), winding["largest_rise"].get<double>());
+  if (winding["overheats"].get<bool>())
+    text += "No winding survives this: from there on the run is fiction.\n";
   return text;
 }
 

@@ -355,6 +355,14 @@ json make_simulation_result(const Model& model, const SimulationRequest& request
   result["energy"] = {{"operator", e.operator_work}, {"source", e.source},
                       {"stored", e.stored},          {"stored_initially", e.stored_initially},
                       {"dissipated", e.dissipated},  {"residual", e.residual}};
+  const auto& names = run.trace.names;
+  if (std::find(names.begin(), names.end(), "winding_temperature_rise") != names.end()) {
+    const auto& rise = run.trace.column("winding_temperature_rise");
+    const double largest = *std::max_element(rise.begin(), rise.end());
+    result["winding"] = {{"final_rise", rise.back()},
+                         {"largest_rise", largest},
+                         {"overheats", largest > hottest_rise}};
+  }
   const std::size_t rows = run.trace.columns.front().size();
   const std::size_t stride =
       std::max<std::size_t>(1, (rows + most_trace_rows - 1) / most_trace_rows);
