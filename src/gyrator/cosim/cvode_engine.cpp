@@ -60,7 +60,8 @@ using NonlinearSolver =
 class CvodeEngine final : public Engine {
  public:
   CvodeEngine(const Plant& plant, const EngineOptions& options)
-      : plant_(plant),
+      : Engine(plant),
+        plant_(plant),
         options_(options),
         n_(plant.states()),
         size_(plant.states() + 3),
@@ -88,8 +89,13 @@ class CvodeEngine final : public Engine {
   }
 
   void advance(int segment, double time, const Eigen::Vector2d& u, PlantState& state) override {
-    const double interval = intervals_[static_cast<std::size_t>(segment)];
+    advance_once(intervals_[static_cast<std::size_t>(segment)], time, u, state);
+  }
+
+  void advance_once(double interval, double time, const Eigen::Vector2d& u,
+                    PlantState& state) override {
     if (interval <= 0) return;
+    longest_ = std::max(longest_, interval);
     if (!memory_) set_up();
     set_sizes(state, u);
     z_.segment(n_, 2) = u;

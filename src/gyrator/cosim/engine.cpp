@@ -11,6 +11,18 @@ EngineKind choose_engine(const Plant& plant) {
   return plant.nonlinear ? EngineKind::cvode : EngineKind::exact;
 }
 
+Engine::Engine(const Plant& plant) {
+  if (plant.nonlinear) ports_ = std::make_unique<PlantDynamics>(plant);
+}
+
+Engine::~Engine() = default;
+
+const Eigen::VectorXd& Engine::inputs(const Eigen::Vector2d& u, const PlantState& state) {
+  if (ports_) return ports_->solve(state.xi, u);
+  linear_inputs_ = u;
+  return linear_inputs_;
+}
+
 std::unique_ptr<Engine> make_engine(EngineKind kind, const Plant& plant,
                                     const EngineOptions& options) {
   switch (kind) {

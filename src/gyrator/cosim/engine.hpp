@@ -1,6 +1,6 @@
 #pragma once
 
-#include "gyrator/mechanics/plant.hpp"
+#include "gyrator/mechanics/plant_dynamics.hpp"
 
 #include <memory>
 #include <string_view>
@@ -25,10 +25,10 @@ struct PlantState {
 /// number of times. advance() allocates nothing.
 class Engine {
  public:
-  Engine() = default;
+  explicit Engine(const Plant& plant);
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
-  virtual ~Engine() = default;
+  virtual ~Engine();
 
   /// Announces a segment length [s]; returns its number for advance().
   virtual int prepare(double interval) = 0;
@@ -37,6 +37,18 @@ class Engine {
   /// energies if the engine was made with a ledger. `time` [s] is the segment's start, for
   /// messages. Throws numerical (with the time) where an integrator gives up.
   virtual void advance(int segment, double time, const Eigen::Vector2d& u, PlantState& state) = 0;
+
+  /// The same for a length [s] that comes only once (a jittering clock).
+  virtual void advance_once(double interval, double time, const Eigen::Vector2d& u,
+                            PlantState& state) = 0;
+
+  /// All that signals and energies are functions of beside ξ while u is held: u of a linear plant,
+  /// U = [u; w; 1] of any other (nl-1). Valid until the next call.
+  virtual const Eigen::VectorXd& inputs(const Eigen::Vector2d& u, const PlantState& state);
+
+ private:
+  Eigen::VectorXd linear_inputs_;
+  std::unique_ptr<PlantDynamics> ports_;  ///< of a nonlinear plant
 };
 
 enum class EngineKind { exact, cvode, odeint };

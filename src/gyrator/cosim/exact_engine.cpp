@@ -12,12 +12,37 @@ namespace {
 class ExactEngine final : public Engine {
  public:
   ExactEngine(const Plant& plant, const EngineOptions& options)
-      : plant_(plant), ledger_(options.ledger), n_(plant.states()), z_(plant.states() + 2) {}
+      : Engine(plant),
+        plant_(plant),
+        ledger_(options.ledger),
+        n_(plant.states()),
+        z_(plant.states() + 2) {}
 
   int prepare(double interval) override {
     for (std::size_t i = 0; i < segments_.size(); ++i) {
       if (segments_[i].interval == interval) return static_cast<int>(i);
     }
+    segments_.push_back(make_segment(interval));
+    return static_cast<int>(segments_.size()) - 1;
+  }
+
+  void advance(int number, double /*time*/, const Eigen::Vector2d& u, PlantState& state) override {
+    move(segments_[static_cast<std::size_t>(number)], u, state);
+  }
+
+  void advance_once(double interval, double /*time*/, const Eigen::Vector2d& u,
+                    PlantState& state) override {
+    if (interval > 0) move(make_segment(interval), u, state);
+  }
+
+ private:
+  struct Segment {
+    double interval;
+    Eigen::MatrixXd propagate;                          // [phi gamma]
+    Eigen::Matrix<double, 3, Eigen::Dynamic> energies;  // packed upper triangles
+  };
+
+  Segment make_segment(double interval) const {
     const HeldStep step = discretize_held(plant_.A, plant_.B, interval);
     Segment segment{interval, Eigen::MatrixXd(n_, n_ + 2), {}};
     segment.propagate << step.phi, step.gamma;
@@ -31,12 +56,10 @@ class ExactEngine final : public Engine {
         segment.energies.row(row) = pack(integrals[static_cast<std::size_t>(row)]);
       }
     }
-    segments_.push_back(std::move(segment));
-    return static_cast<int>(segments_.size()) - 1;
+    return segment;
   }
 
-  void advance(int number, double /*time*/, const Eigen::Vector2d& u, PlantState& state) override {
-    const Segment& segment = segments_[static_cast<std::size_t>(number)];
+  void move(const Segment& segment, const Eigen::Vector2d& u, PlantState& state) {
     const Eigen::Index size = n_ + 2;
     double* z = z_.data();
     for (Eigen::Index i = 0; i < n_; ++i) z[i] = state.xi(i);
@@ -53,13 +76,6 @@ class ExactEngine final : public Engine {
       for (Eigen::Index i = 0; i < n_; ++i) next[i] += column[i] * zj;
     }
   }
-
- private:
-  struct Segment {
-    double interval;
-    Eigen::MatrixXd propagate;                          // [phi gamma]
-    Eigen::Matrix<double, 3, Eigen::Dynamic> energies;  // packed upper triangles
-  };
 
   // Upper triangle row by row, off-diagonal entries doubled, so that z'Wz = sum of w_ij z_i z_j.
   static Eigen::RowVectorXd pack(const Eigen::MatrixXd& form) {

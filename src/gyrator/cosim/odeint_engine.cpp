@@ -20,7 +20,8 @@ namespace odeint = boost::numeric::odeint;
 class OdeintEngine final : public Engine {
  public:
   OdeintEngine(const Plant& plant, const EngineOptions& options)
-      : plant_(plant),
+      : Engine(plant),
+        plant_(plant),
         options_(options),
         n_(static_cast<std::size_t>(plant.states())),
         y_(n_ + 3),
@@ -35,7 +36,11 @@ class OdeintEngine final : public Engine {
   }
 
   void advance(int segment, double time, const Eigen::Vector2d& u, PlantState& state) override {
-    const double interval = intervals_[static_cast<std::size_t>(segment)];
+    advance_once(intervals_[static_cast<std::size_t>(segment)], time, u, state);
+  }
+
+  void advance_once(double interval, double time, const Eigen::Vector2d& u,
+                    PlantState& state) override {
     if (interval <= 0) return;
     sizes_.update(state.xi, u, interval);
     const Eigen::VectorXd& scales = sizes_.states();

@@ -3,11 +3,9 @@
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/interrupt.hpp"
 #include "gyrator/cosim/sampled_plant.hpp"
-#include "gyrator/mechanics/plant_dynamics.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -70,7 +68,6 @@ class Run {
     jumps_cost_energy_ = !plant.energy.source_jump.isZero(0);
     jump_.resize(plant.states() + 2 * plant.inputs());
     z_.resize(plant.states() + plant.inputs());
-    if (plant.nonlinear) dynamics_.emplace(plant);
   }
 
   TimeRun go() {
@@ -121,10 +118,9 @@ class Run {
            static_cast<double>(sampling_.period.den());
   }
 
-  // All that a nonlinear plant's signals and energies are functions of beside ξ, while `command` is
-  // held.
-  Eigen::VectorXd inputs_at(double command) {
-    return dynamics_->solve(state_.xi, Eigen::Vector2d(command, u_(1)));
+  // All that signals and energies are functions of beside ξ, while `command` is held.
+  const Eigen::VectorXd& inputs_at(double command) {
+    return engine_->inputs(Eigen::Vector2d(command, u_(1)), state_);
   }
 
   // Whether a step of the command shows in a signal at once.
@@ -136,12 +132,8 @@ class Run {
   void jump_to(double command) {
     if (command == u_(0)) return;
     if (jumps_cost_energy_ && options_.engine_options.ledger) {
-      if (dynamics_) {
-        before_ = inputs_at(u_(0));
-        jump_ << state_.xi, before_, inputs_at(command);
-      } else {
-        jump_ << state_.xi, u_, command, u_(1);
-      }
+      before_ = inputs_at(u_(0));
+      jump_ << state_.xi, before_, inputs_at(command);
       state_.source_work += jump_.dot(plant_.energy.source_jump * jump_);
     }
     u_(0) = command;
@@ -214,14 +206,10 @@ class Run {
     std::size_t at = 0;
     auto& columns = run_.trace.columns;
     const auto put = [&](double value) { columns[at++].push_back(value); };
-    if (dynamics_) {
-      before_ = inputs_at(u_(0));
-      after_ = inputs_at(held_after);
-    }
+    before_ = inputs_at(u_(0));
+    after_ = inputs_at(held_after);
     const auto value = [&](const Signal& s, bool after) {
-      if (dynamics_) return s.value(state_.xi, after ? after_ : before_);
-      return s.state.dot(state_.xi) + s.input(0) * (after ? held_after : u_(0)) +
-             s.input(1) * u_(1);
+      return s.value(state_.xi, after ? after_ : before_);
     };
     put(time);
     put(value(plant_.port_position, false));
@@ -245,11 +233,7 @@ class Run {
   }
 
   double stored() {
-    if (dynamics_) {
-      z_ << state_.xi, inputs_at(u_(0));
-    } else {
-      z_ << state_.xi, u_;
-    }
+    z_ << state_.xi, inputs_at(u_(0));
     return z_.dot(plant_.energy.stored * z_);
   }
 
@@ -313,7 +297,6 @@ class Run {
   bool jumps_cost_energy_ = false;
   double reference_size_ = 0;
   Eigen::VectorXd jump_, z_, before_, after_;
-  std::optional<PlantDynamics> dynamics_;  ///< of a nonlinear plant
 };
 
 }  // namespace
