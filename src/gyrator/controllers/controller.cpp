@@ -1,46 +1,139 @@
 #include "gyrator/controllers/controller.hpp"
 
 namespace gyrator {
+namespace {
+
+// What a criterion makes of each law. One overload per law of the list.
+
+DiscreteStateSpace contact_law(const NoController& /*none*/, double /*period*/) {
+  return make_gain(0);
+}
+DiscreteStateSpace contact_law(const VirtualWall& wall, double period) {
+  return make_wall_law(wall, period);
+}
+DiscreteStateSpace contact_law(const WaveController& wave, double period) {
+  return make_wave_law(wave, period);
+}
+
+bool is_linear(const NoController& /*none*/) {
+  return true;
+}
+bool is_linear(const VirtualWall& wall) {
+  return !wall.unilateral;
+}
+bool is_linear(const WaveController& wave) {
+  const auto* behind = std::get_if<WaveWall>(&wave.environment);
+  return !(behind && behind->unilateral);
+}
+
+void stay_in_contact(NoController& /*none*/) {}
+void stay_in_contact(VirtualWall& wall) {
+  wall.unilateral = wall.no_pull = false;
+}
+void stay_in_contact(WaveController& wave) {
+  if (auto* wall = std::get_if<WaveWall>(&wave.environment)) wall->unilateral = false;
+}
+
+std::optional<WallValues> wall_values(const NoController& /*none*/) {
+  return std::nullopt;
+}
+std::optional<WallValues> wall_values(const VirtualWall& wall) {
+  return WallValues{wall.stiffness, wall.damping};
+}
+std::optional<WallValues> wall_values(const WaveController& wave) {
+  if (const auto* wall = std::get_if<WaveWall>(&wave.environment))
+    return WallValues{wall->stiffness, wall->damping};
+  return std::nullopt;
+}
+
+// H(z) of a wrapper, from command to command; none where it is not linear.
+
+std::optional<DiscreteStateSpace> linear_wrapper(const PreEmphasis& stage) {
+  return stage.filter;
+}
+
+}  // namespace
+
+DiscreteStateSpace make_output_law(const Controller& controller) {
+  DiscreteStateSpace output = make_gain(1);
+  for (const auto& wrapper : controller.wrappers) {
+    if (const auto law = std::visit([](const auto& w) { return linear_wrapper(w); }, wrapper))
+      output = in_series(output, *law);
+  }
+  return output;
+}
 
 DiscreteStateSpace make_contact_law(const Controller& controller, double period) {
-  if (const auto* wave = std::get_if<WaveController>(&controller))
-    return make_wave_law(*wave, period);
-  const auto* wall = std::get_if<VirtualWall>(&controller);
-  return wall ? make_wall_law(*wall, period) : make_gain(0);
+  const DiscreteStateSpace law =
+      std::visit([&](const auto& l) { return contact_law(l, period); }, controller.law);
+  return controller.wrappers.empty() ? law : in_series(law, make_output_law(controller));
 }
 
 std::optional<DiscreteStateSpace> find_linear_law(const Controller& controller, double period) {
-  const auto* wall = std::get_if<VirtualWall>(&controller);
-  if (wall && wall->unilateral) return std::nullopt;
-  if (const auto* wave = std::get_if<WaveController>(&controller)) {
-    const auto* behind = std::get_if<WaveWall>(&wave->environment);
-    if (behind && behind->unilateral) return std::nullopt;
+  if (!std::visit([](const auto& l) { return is_linear(l); }, controller.law)) return std::nullopt;
+  for (const auto& wrapper : controller.wrappers) {
+    if (!std::visit([](const auto& w) { return linear_wrapper(w); }, wrapper)) return std::nullopt;
   }
   return make_contact_law(controller, period);
 }
 
 Controller keep_in_contact(Controller controller) {
-  if (auto* wall = std::get_if<VirtualWall>(&controller)) wall->unilateral = wall->no_pull = false;
-  if (auto* wave = std::get_if<WaveController>(&controller)) {
-    if (auto* wall = std::get_if<WaveWall>(&wave->environment)) wall->unilateral = false;
-  }
+  std::visit([](auto& law) { stay_in_contact(law); }, controller.law);
   return controller;
 }
 
 std::optional<WallValues> find_wall_values(const Controller& controller) {
-  if (const auto* wall = std::get_if<VirtualWall>(&controller))
-    return WallValues{wall->stiffness, wall->damping};
-  if (const auto* wave = std::get_if<WaveController>(&controller)) {
-    if (const auto* wall = std::get_if<WaveWall>(&wave->environment))
-      return WallValues{wall->stiffness, wall->damping};
-  }
-  return std::nullopt;
+  return std::visit([](const auto& law) { return wall_values(law); }, controller.law);
 }
 
-RunningController::RunningController(const Controller& controller, double period, double position) {
-  if (const auto* wall = std::get_if<VirtualWall>(&controller)) wall_.emplace(*wall, period);
-  if (const auto* wave = std::get_if<WaveController>(&controller))
-    wave_.emplace(*wave, period, position);
+RunningController::RunningController(const Controller& controller, double period, double position)
+    : law_(make_law(controller.law, period, position)) {
+  for (const auto& wrapper : controller.wrappers)
+    wrappers_.push_back(make_wrapper(wrapper, period));
+}
+
+RunningController::RunningLaw RunningController::make_law(const Law& law, double period,
+                                                          double position) {
+  if (const auto* wall = std::get_if<VirtualWall>(&law))
+    return VirtualWallController(*wall, period);
+  if (const auto* wave = std::get_if<WaveController>(&law))
+    return RunningWaveController(*wave, period, position);
+  return Idle{};
+}
+
+RunningController::RunningWrapper RunningController::make_wrapper(const Wrapper& wrapper,
+                                                                  double /*period*/) {
+  return RunningPreEmphasis(std::get<PreEmphasis>(wrapper));
+}
+
+namespace {
+
+// A law or wrapper that has something to tell says so by these two members.
+template <class T>
+concept TellsSignals = requires(const T& running, std::vector<std::string>& names, double* value) {
+  running.append_signal_names(names);
+  value = running.write_signals(value);
+};
+
+}  // namespace
+
+std::vector<std::string> RunningController::signal_names() const {
+  std::vector<std::string> names;
+  const auto append = [&](const auto& running) {
+    if constexpr (TellsSignals<std::decay_t<decltype(running)>>) running.append_signal_names(names);
+  };
+  std::visit(append, law_);
+  for (const auto& wrapper : wrappers_) std::visit(append, wrapper);
+  return names;
+}
+
+void RunningController::read_signals(std::vector<double>& values) const {
+  double* next = values.data();
+  const auto write = [&](const auto& running) {
+    if constexpr (TellsSignals<std::decay_t<decltype(running)>>) next = running.write_signals(next);
+  };
+  std::visit(write, law_);
+  for (const auto& wrapper : wrappers_) std::visit(write, wrapper);
 }
 
 }  // namespace gyrator

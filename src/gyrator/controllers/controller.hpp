@@ -1,29 +1,53 @@
 #pragma once
 
+#include "gyrator/controllers/pre_emphasis.hpp"
 #include "gyrator/controllers/virtual_wall.hpp"
 #include "gyrator/controllers/wave_controller.hpp"
 
 #include <optional>
+#include <string>
+#include <utility>
 #include <variant>
+#include <vector>
 
 namespace gyrator {
 
 /// No controller: the command stays zero.
 struct NoController {};
 
-/// The closed list of controllers, as configuration.
-using Controller = std::variant<NoController, VirtualWall, WaveController>;
+/// The closed list of laws, as configuration: what turns a sampled signal into a command.
+using Law = std::variant<NoController, VirtualWall, WaveController>;
+
+/// The closed list of what may stand between a law and the converter.
+using Wrapper = std::variant<PreEmphasis>;
+
+/// A law and what is wrapped around it, from the inside out. Each wrapper sees the sampled signal
+/// and the command of what it wraps, and hands on a command of its own.
+struct Controller {
+  Law law;
+  std::vector<Wrapper> wrappers;
+
+  Controller() = default;
+  template <class T>
+  requires std::constructible_from<Law, T> Controller(T&& given)
+      : law(std::forward<T>(given)) {}  // NOLINT: a law is a controller
+  Controller(Law given, std::vector<Wrapper> around)
+      : law(std::move(given)), wrappers(std::move(around)) {}
+};
 
 /// H(z) of the controller, from the sampled signal (position, or the wave's integral) to opposing
-/// effort; none for a law that is not linear (a unilateral wall). `period` in s.
+/// effort; none for what is not linear (a unilateral wall). `period` in s.
 std::optional<DiscreteStateSpace> find_linear_law(const Controller& controller, double period);
 
 /// The linear law that a criterion judges: H itself, and for a unilateral wall the wall that it
-/// is while in contact.
+/// is while in contact. Wrappers that are not linear are left out.
 DiscreteStateSpace make_contact_law(const Controller& controller, double period);
 
 /// The controller that it is while in contact and free to pull: what linear criteria speak of.
 Controller keep_in_contact(Controller controller);
+
+/// The linear wrappers in series, applied to the command; a gain of one without any.
+DiscreteStateSpace make_output_law(const Controller& controller);
 
 /// Stiffness and virtual damping of the wall that the controller renders, from the position or
 /// behind a wave line; none without a wall.
@@ -40,13 +64,31 @@ class RunningController {
   RunningController(const Controller& controller, double period, double position = 0);
 
   double step(double y) {
-    if (wall_) return wall_->step(y);
-    return wave_ ? wave_->step(y) : 0.0;
+    double command = std::visit([y](auto& law) { return law.step(y); }, law_);
+    for (auto& wrapper : wrappers_)
+      command = std::visit([&](auto& w) { return w.step(y, command); }, wrapper);
+    return command;
   }
 
+  /// Names of what law and wrappers tell beside their command (observed energy [J], position of a
+  /// simulated tool …), for the trace.
+  std::vector<std::string> signal_names() const;
+  /// Their values after the last step(), in the same order; allocates nothing once `values` has
+  /// that length.
+  void read_signals(std::vector<double>& values) const;
+
  private:
-  std::optional<VirtualWallController> wall_;
-  std::optional<RunningWaveController> wave_;
+  struct Idle {
+    double step(double /*y*/) { return 0; }
+  };
+  using RunningLaw = std::variant<Idle, VirtualWallController, RunningWaveController>;
+  using RunningWrapper = std::variant<RunningPreEmphasis>;
+
+  static RunningLaw make_law(const Law& law, double period, double position);
+  static RunningWrapper make_wrapper(const Wrapper& wrapper, double period);
+
+  RunningLaw law_;
+  std::vector<RunningWrapper> wrappers_;
 };
 
 }  // namespace gyrator

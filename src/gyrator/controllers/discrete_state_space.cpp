@@ -36,6 +36,22 @@ DiscreteStateSpace in_parallel(const DiscreteStateSpace& a, const DiscreteStateS
   return sum;
 }
 
+DiscreteStateSpace in_series(const DiscreteStateSpace& first, const DiscreteStateSpace& second) {
+  const Eigen::Index a = first.states();
+  const Eigen::Index b = second.states();
+  DiscreteStateSpace both;
+  both.A = Eigen::MatrixXd::Zero(a + b, a + b);
+  both.A.topLeftCorner(a, a) = first.A;
+  both.A.bottomLeftCorner(b, a) = second.B * first.C;
+  both.A.bottomRightCorner(b, b) = second.A;
+  both.B.resize(a + b);
+  both.B << first.B, second.B * first.D;
+  both.C.resize(a + b);
+  both.C << second.D * first.C, second.C;
+  both.D = second.D * first.D;
+  return both;
+}
+
 DiscreteStateSpace make_gain(double gain) {
   return {Eigen::MatrixXd(0, 0), Eigen::VectorXd(0), Eigen::RowVectorXd(0), gain};
 }

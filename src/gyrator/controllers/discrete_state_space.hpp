@@ -28,6 +28,8 @@ struct DiscreteStateSpace {
 DiscreteStateSpace scaled(DiscreteStateSpace law, double gain);
 /// a + b, side by side on the same input
 DiscreteStateSpace in_parallel(const DiscreteStateSpace& a, const DiscreteStateSpace& b);
+/// The second on the output of the first
+DiscreteStateSpace in_series(const DiscreteStateSpace& first, const DiscreteStateSpace& second);
 /// A constant gain, without states
 DiscreteStateSpace make_gain(double gain);
 

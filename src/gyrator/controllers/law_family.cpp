@@ -6,19 +6,21 @@ namespace gyrator {
 
 using Complex = std::complex<double>;
 
-LawFamily::LawFamily(const Controller& controller, double period) : period_(period) {
+LawFamily::LawFamily(const Controller& controller, double period)
+    : period_(period), output_(make_output_law(controller)) {
   VelocityEstimator estimator = DifferenceEstimator{};
-  if (const auto* wall = std::get_if<VirtualWall>(&controller)) estimator = wall->velocity;
-  if (const auto* wave = std::get_if<WaveController>(&controller)) wave_ = *wave;
+  if (const auto* wall = std::get_if<VirtualWall>(&controller.law)) estimator = wall->velocity;
+  if (const auto* wave = std::get_if<WaveController>(&controller.law)) wave_ = *wave;
   velocity_ = make_velocity_law(estimator, period);
 }
 
 LawFamily::Point LawFamily::prepare(double omega) const {
-  return {omega, wave_ ? Complex(0) : velocity_.response(std::polar(1.0, omega * period_))};
+  const Complex z = std::polar(1.0, omega * period_);
+  return {omega, wave_ ? Complex(0) : velocity_.response(z), output_.response(z)};
 }
 
 MobiusLaw LawFamily::at(const Point& point, double virtual_damping) const {
-  if (!wave_) return {virtual_damping * point.velocity, 1, 1, 0};
+  if (!wave_) return {point.output * virtual_damping * point.velocity, point.output, 1, 0};
   const double omega = point.omega;
   // Numerator and denominator times z^(-1/2), so that neither has a difference of near numbers:
   // z^(1/2) - z^(-1/2) = 2 j sin(wT/2) and z^(1/2) + z^(-1/2) = 2 cos(wT/2).
@@ -27,7 +29,7 @@ MobiusLaw LawFamily::at(const Point& point, double virtual_damping) const {
   // Zero at Nyquist, where rounding would leave a spring that only 1e18 N.m/rad makes felt.
   const double cosine = std::cos(omega * period_ / 2);
   const double plus = std::abs(cosine) < 1e-12 ? 0 : 2 * cosine;
-  const Complex scale = -half * minus / (period_ * wave_->volts_per_command);
+  const Complex scale = -point.output * half * minus / (period_ * wave_->volts_per_command);
   const double b_w = wave_->impedance;
   const double spring = period_ / 2 * plus;
   return {scale * minus * (b_w - virtual_damping), -scale * spring, minus * (b_w + virtual_damping),
@@ -35,10 +37,13 @@ MobiusLaw LawFamily::at(const Point& point, double virtual_damping) const {
 }
 
 DiscreteStateSpace LawFamily::make(double stiffness, double virtual_damping) const {
-  if (!wave_) return in_parallel(make_gain(stiffness), scaled(velocity_, virtual_damping));
+  if (!wave_) {
+    const auto wall = in_parallel(make_gain(stiffness), scaled(velocity_, virtual_damping));
+    return in_series(wall, output_);
+  }
   WaveController wave = *wave_;
   wave.environment = WaveWall{stiffness, virtual_damping};
-  return make_wave_law(wave, period_);
+  return in_series(make_wave_law(wave, period_), output_);
 }
 
 bool LawFamily::has(double virtual_damping) const {

@@ -19,7 +19,8 @@ struct MobiusLaw {
 ///   a wall from the position   H = K + B V(z)
 ///   a wall behind a wave line  H = -(1 - z^-1)/(T volts_per_command) (b_w - Z)/(b_w + Z),
 ///                              Z = B + K T/2 (z + 1)/(z - 1)                        (family-1)
-/// A controller without a wall stands for the wall of its kind.
+/// A controller without a wall stands for the wall of its kind. Linear wrappers (pre-emphasis) act
+/// on the output of all.
 class LawFamily {
  public:
   LawFamily(const Controller& controller, double period);
@@ -27,7 +28,8 @@ class LawFamily {
   /// What depends on the frequency [rad/s] alone, to be kept for many B.
   struct Point {
     double omega = 0;
-    std::complex<double> velocity;  // V
+    std::complex<double> velocity;    // V
+    std::complex<double> output = 1;  // of the wrappers
   };
   Point prepare(double omega) const;
 
@@ -46,6 +48,7 @@ class LawFamily {
   double period_;
   DiscreteStateSpace velocity_;
   std::optional<WaveController> wave_;
+  DiscreteStateSpace output_;
 };
 
 }  // namespace gyrator

@@ -43,7 +43,7 @@ std::vector<std::string> drive_reasons(const Assumptions& a) {
 
 // The controller's wall, or the one from the position with the values of a wall behind a wave line.
 std::optional<VirtualWall> find_textbook_wall(const Controller& controller) {
-  if (const auto* wall = std::get_if<VirtualWall>(&controller)) return *wall;
+  if (const auto* wall = std::get_if<VirtualWall>(&controller.law)) return *wall;
   const auto values = find_wall_values(controller);
   if (!values) return std::nullopt;
   return VirtualWall{.stiffness = values->stiffness, .damping = values->damping};

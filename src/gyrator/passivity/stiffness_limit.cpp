@@ -85,7 +85,7 @@ StiffnessLimits::StiffnessLimits(const Device& device, const Sampling& sampling,
       period_(sampling.period.to_double()),
       family_(controller, period_),
       position_family_(
-          std::holds_alternative<VirtualWall>(controller) ? controller : NoController{}, period_),
+          std::holds_alternative<VirtualWall>(controller.law) ? controller : Controller{}, period_),
       operator_(held_by),
       disk_(device, sampling),
       grid_(make_judging_grid(disk_.model().poles(), period_)) {

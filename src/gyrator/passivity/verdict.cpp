@@ -116,7 +116,7 @@ class Judge {
       v.explanation = "No passive operator can make the loop unstable";
       const bool linear = build_device_network(model_.device, FreeOperator{}).network.is_linear();
       v.explanation += linear ? "." : " while its motion stays small (the device is not linear).";
-      const bool waves = std::holds_alternative<WaveController>(model_.controller);
+      const bool waves = std::holds_alternative<WaveController>(model_.controller.law);
       if (!textbook->holds && waves)
         v.explanation += " Computed from the position, the same wall would fail [8.46].";
       if (!textbook->holds && !waves)

@@ -6,6 +6,7 @@
 #include "gyrator/documents/json_text.hpp"
 #include "gyrator/passivity/held_limit.hpp"
 #include "gyrator/plots/pretty_text.hpp"
+#include "gyrator/studies/controller_format.hpp"
 #include "gyrator/studies/model_format.hpp"
 
 #include <algorithm>
@@ -134,23 +135,6 @@ Mechanics mechanics_of(const json& m) {
   return mechanics;
 }
 
-VelocityEstimator estimator_of(const json& v) {
-  if (v["kind"] == "difference") return DifferenceEstimator{v["window"]};
-  return FilteredDifferenceEstimator{v["cutoff"]};
-}
-
-WaveEnvironment environment_of(const json& e) {
-  if (e["kind"] == "matched") return MatchedEnvironment{};
-  return WaveWall{e["stiffness"], e["damping"], e["unilateral"]};
-}
-
-Controller controller_of(const json& c) {
-  if (c["kind"] == "none") return NoController{};
-  if (c["kind"] == "wave") return WaveController{.environment = environment_of(c["environment"])};
-  return VirtualWall{c["stiffness"], c["damping"], estimator_of(c["velocity"]), c["unilateral"],
-                     c["no_pull"]};
-}
-
 Operator operator_of(const json& o) {
   if (o["kind"] == "clamped") return ClampedOperator{};
   if (o["kind"] == "free") return FreeOperator{};
@@ -159,7 +143,7 @@ Operator operator_of(const json& o) {
 
 // An analog loop does the wall: the controller must be one, and no estimate of velocity is made.
 void check_held_impedance(const Model& model, const std::string& file) {
-  const auto* wall = std::get_if<VirtualWall>(&model.controller);
+  const auto* wall = std::get_if<VirtualWall>(&model.controller.law);
   if (!wall) {
     throw Error(ErrorCode::bad_input, file + ": /damping",
                 "held_impedance: the loop takes stiffness and damping from a virtual wall; use "
@@ -223,12 +207,12 @@ void check_together(Model& model, const json& source, const json& read, const st
   }
   try {
     build_device_network(model.device, FreeOperator{});
-    if (auto* wave = std::get_if<WaveController>(&model.controller))
+    if (auto* wave = std::get_if<WaveController>(&model.controller.law))
       connect_wave(model, *wave, read["sensor"]);
   } catch (const Error& error) {
     throw Error(error.code(), file + ": /" + error.place(), error.message());
   }
-  const auto* wall = std::get_if<VirtualWall>(&model.controller);
+  const auto* wall = std::get_if<VirtualWall>(&model.controller.law);
   if (find_held_impedance(model.device)) check_held_impedance(model, file);
   if (wall && wall->no_pull && !wall->unilateral) {
     throw Error(ErrorCode::bad_input, file + ": /controller/no_pull",
@@ -255,7 +239,8 @@ Model parse_model(const json& document, const std::string& file) {
       m["sensor"]["location"] == "motor" ? SensorLocation::motor : SensorLocation::port;
   model.sensor = {m["sensor"]["quantum"], m["sensor"]["offset"]};
   model.sampling = {time_of(m["sampling"]["period"]), time_of(m["sampling"]["delay"])};
-  model.controller = controller_of(m["controller"]);
+  model.controller =
+      parse_controller(m["controller"], {model.sampling.period, model.sensor.quantum});
   model.held_by = operator_of(m["operator"]);
   const json& s = m["simulation"];
   model.duration = time_of(s["duration"]);

@@ -1,6 +1,8 @@
 #include "gyrator/studies/model_format.hpp"
 
 #include "gyrator/circuits/drive.hpp"
+#include "gyrator/studies/controller_format.hpp"
+#include "gyrator/studies/motion_terms.hpp"
 
 #include <utility>
 
@@ -8,27 +10,6 @@ namespace gyrator {
 namespace {
 
 using nlohmann::json;
-
-const MotionUnits rotary_units{dimension::inertia,          dimension::rotary_damping,
-                               dimension::rotary_stiffness, dimension::torque,
-                               dimension::torque_constant,  dimension::angle,
-                               dimension::angular_velocity, dimension::angle_quantum};
-const MotionUnits linear_units{
-    dimension::mass,     dimension::linear_damping, dimension::linear_stiffness,
-    dimension::force,    dimension::force_constant, dimension::length,
-    dimension::velocity, dimension::length_quantum};
-
-// The two motions differ in units and in the names of mass and motor constant; nothing else.
-struct MotionTerms : MotionUnits {
-  const char* name;
-  const char* inertia_name;
-  const char* load_inertia_name;
-  const char* motor_constant_name;
-};
-
-const MotionTerms rotary_terms{rotary_units, "rotary", "inertia", "load_inertia",
-                               "torque_constant"};
-const MotionTerms linear_terms{linear_units, "linear", "mass", "load_mass", "force_constant"};
 
 ObjectSpec thermal_spec() {
   return {"thermal",
@@ -298,71 +279,6 @@ std::vector<ObjectSpec> damping_specs(const MotionTerms& terms) {
   return specs;
 }
 
-std::vector<ObjectSpec> velocity_specs() {
-  return {
-      {"difference",
-       "Difference over a window of samples.",
-       {
-           member::integer("window").by_default(1).at_least(1).at_most(1000).doc("Samples back."),
-       }},
-      {"filtered_difference",
-       "Backward difference behind a first-order low-pass, both mapped backward.",
-       {
-           member::quantity("cutoff", dimension::frequency)
-               .required()
-               .above(0)
-               .doc("Of the low-pass."),
-       }}};
-}
-
-std::vector<ObjectSpec> wave_environment_specs(const MotionTerms& terms) {
-  return {{"matched", "Absorbs every wave: a damper of the wave impedance.", {}},
-          {"virtual_wall",
-           "Spring and damper by the trapezoidal rule, at position zero of the environment's own "
-           "motion, which starts at initial_position.",
-           {
-               member::quantity("stiffness", terms.stiffness)
-                   .required()
-                   .at_least(0)
-                   .doc("Virtual stiffness K."),
-               member::quantity("damping", terms.damping)
-                   .by_default(0)
-                   .doc("Virtual damping B; above minus the wave impedance."),
-               member::boolean("unilateral")
-                   .by_default(false)
-                   .doc("Active only for positions of the environment > 0."),
-           }}};
-}
-
-std::vector<ObjectSpec> controller_specs(const MotionTerms& terms) {
-  return {{"none", "The command stays zero.", {}},
-          {"virtual_wall",
-           "Spring and damper computed from the sampled position, at position zero.",
-           {
-               member::quantity("stiffness", terms.stiffness)
-                   .required()
-                   .at_least(0)
-                   .doc("Virtual stiffness K."),
-               member::quantity("damping", terms.damping)
-                   .by_default(0)
-                   .doc("Virtual damping B; negative masks damping of the device."),
-               member::variant("velocity", velocity_specs())
-                   .by_default({{"kind", "difference"}})
-                   .doc("How velocity is estimated."),
-               member::boolean("unilateral").by_default(false).doc("Active only for position > 0."),
-               member::boolean("no_pull").by_default(false).doc(
-                   "A unilateral wall that never pulls inwards."),
-           }},
-          {"wave",
-           "The digital end of a wave-variable drive: reads the outgoing wave, averaged over each "
-           "period, and answers with the incoming one. Needs the damping kind wave.",
-           {
-               member::variant("environment", wave_environment_specs(terms))
-                   .required()
-                   .doc("What lies behind the wave line."),
-           }}};
-}
-
 std::vector<ObjectSpec> operator_specs(const MotionTerms& terms) {
   return {
       {"free", "Nothing holds the port.", {}},
@@ -432,8 +348,8 @@ ObjectSpec simulation_spec(const MotionTerms& terms) {
 ObjectSpec model_spec(const MotionTerms& terms) {
   return {
       terms.name,
-      terms.name == rotary_terms.name ? "A rotary device: N.m and rad."
-                                      : "A linear device: N and m.",
+      terms.motion == Motion::rotary ? "A rotary device: N.m and rad."
+                                     : "A linear device: N and m.",
       {
           member::choice("schema", {model_schema_name})
               .by_default(model_schema_name)
@@ -453,7 +369,7 @@ ObjectSpec model_spec(const MotionTerms& terms) {
               .by_default(json::object())
               .doc("The position sensor."),
           member::object("sampling", sampling_spec()).required().doc("The controller's clock."),
-          member::variant("controller", controller_specs(terms))
+          member::variant("controller", make_controller_specs(terms))
               .by_default({{"kind", "none"}})
               .doc("What computes the command."),
           member::variant("operator", operator_specs(terms))
@@ -467,13 +383,11 @@ ObjectSpec model_spec(const MotionTerms& terms) {
 
 }  // namespace
 
-const MotionUnits& units_of(Motion motion) {
-  return motion == Motion::rotary ? rotary_units : linear_units;
-}
-
 const Member& model_format() {
   static const Member format =
-      member::variant("model", {model_spec(rotary_terms), model_spec(linear_terms)}, "motion")
+      member::variant("model",
+                      {model_spec(terms_of(Motion::rotary)), model_spec(terms_of(Motion::linear))},
+                      "motion")
           .required()
           .doc("A haptic display with its sampled controller.");
   return format;

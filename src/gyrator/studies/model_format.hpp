@@ -1,7 +1,7 @@
 #pragma once
 
 #include "gyrator/documents/document_spec.hpp"
-#include "gyrator/mechanics/device.hpp"
+#include "gyrator/studies/motion_terms.hpp"
 
 namespace gyrator {
 
@@ -9,12 +9,6 @@ namespace gyrator {
 /// the reader, the JSON Schema (schemas/model.schema.json) and the manual's reference.
 /// The document is one of two, rotary or linear, told apart by its key "motion".
 const Member& model_format();
-
-/// The units of a motion: N.m and rad, or N and m.
-struct MotionUnits {
-  Unit inertia, damping, stiffness, effort, motor_constant, position, velocity, quantum;
-};
-const MotionUnits& units_of(Motion motion);
 
 /// The version text that a model file begins with.
 inline constexpr const char* model_schema_name = "gyrator/model/1";

@@ -182,7 +182,7 @@ json make_passivity_result(const Model& model, const PassivityRequest& request) 
     result["stiffness"] = wall->stiffness;
     result["virtual_damping"] = wall->damping;
   }
-  const bool reads_wave = std::holds_alternative<WaveController>(model.controller);
+  const bool reads_wave = std::holds_alternative<WaveController>(model.controller.law);
   result["sampled_signal"] = reads_wave ? "wave_integral" : "position";
   result["criteria"] = json::array();
   for (const auto& criterion : v.criteria) result["criteria"].push_back(criterion_json(criterion));
@@ -207,7 +207,7 @@ json make_passivity_result(const Model& model, const PassivityRequest& request) 
 
 std::vector<double> choose_damping_range(const Model& model, int points) {
   // Behind a wave line every B >= 0 is passive, and none below -b_w has a law.
-  if (const auto* wave = std::get_if<WaveController>(&model.controller)) {
+  if (const auto* wave = std::get_if<WaveController>(&model.controller.law)) {
     std::vector<double> damping;
     for (int i = 0; i < points; ++i)
       damping.push_back(wave->impedance * (-0.5 + 2.0 * i / std::max(1, points - 1)));

@@ -323,10 +323,10 @@ ComputerParts describe_computer(const Model& model, const Terms& terms) {
   const bool held = find_held_impedance(model.device) != nullptr;
   ComputerParts parts;
   if (held) parts.sampled = Sampled::nothing;
-  if (std::holds_alternative<WaveController>(model.controller))
+  if (std::holds_alternative<WaveController>(model.controller.law))
     parts.sampled = Sampled::terminal_voltage;
   parts.period = "T " + seconds(model.sampling.period);
-  parts.blocks.push_back(std::visit(ControllerLines{terms, held}, model.controller));
+  parts.blocks.push_back(std::visit(ControllerLines{terms, held}, model.controller.law));
   if (model.sampling.delay > Rational(0))
     parts.blocks.push_back({"delay", seconds(model.sampling.delay)});
   parts.blocks.push_back({"hold"});

@@ -1,0 +1,96 @@
+#include "gyrator/studies/controller_format.hpp"
+
+namespace gyrator {
+namespace {
+
+using nlohmann::json;
+
+std::vector<ObjectSpec> velocity_specs() {
+  return {
+      {"difference",
+       "Difference over a window of samples.",
+       {
+           member::integer("window").by_default(1).at_least(1).at_most(1000).doc("Samples back."),
+       }},
+      {"filtered_difference",
+       "Backward difference behind a first-order low-pass, both mapped backward.",
+       {
+           member::quantity("cutoff", dimension::frequency)
+               .required()
+               .above(0)
+               .doc("Of the low-pass."),
+       }}};
+}
+
+std::vector<ObjectSpec> wave_environment_specs(const MotionTerms& terms) {
+  return {{"matched", "Absorbs every wave: a damper of the wave impedance.", {}},
+          {"virtual_wall",
+           "Spring and damper by the trapezoidal rule, at position zero of the environment's own "
+           "motion, which starts at initial_position.",
+           {
+               member::quantity("stiffness", terms.stiffness)
+                   .required()
+                   .at_least(0)
+                   .doc("Virtual stiffness K."),
+               member::quantity("damping", terms.damping)
+                   .by_default(0)
+                   .doc("Virtual damping B; above minus the wave impedance."),
+               member::boolean("unilateral")
+                   .by_default(false)
+                   .doc("Active only for positions of the environment > 0."),
+           }}};
+}
+
+VelocityEstimator estimator_of(const json& v) {
+  if (v["kind"] == "difference") return DifferenceEstimator{v["window"]};
+  return FilteredDifferenceEstimator{v["cutoff"]};
+}
+
+WaveEnvironment environment_of(const json& e) {
+  if (e["kind"] == "matched") return MatchedEnvironment{};
+  return WaveWall{e["stiffness"], e["damping"], e["unilateral"]};
+}
+
+Law parse_law(const json& c) {
+  if (c["kind"] == "none") return NoController{};
+  if (c["kind"] == "wave") return WaveController{.environment = environment_of(c["environment"])};
+  return VirtualWall{c["stiffness"], c["damping"], estimator_of(c["velocity"]), c["unilateral"],
+                     c["no_pull"]};
+}
+
+}  // namespace
+
+std::vector<ObjectSpec> make_controller_specs(const MotionTerms& terms) {
+  return {{"none", "The command stays zero.", {}},
+          {"virtual_wall",
+           "Spring and damper computed from the sampled position, at position zero.",
+           {
+               member::quantity("stiffness", terms.stiffness)
+                   .required()
+                   .at_least(0)
+                   .doc("Virtual stiffness K."),
+               member::quantity("damping", terms.damping)
+                   .by_default(0)
+                   .doc("Virtual damping B; negative masks damping of the device."),
+               member::variant("velocity", velocity_specs())
+                   .by_default({{"kind", "difference"}})
+                   .doc("How velocity is estimated."),
+               member::boolean("unilateral").by_default(false).doc("Active only for position > 0."),
+               member::boolean("no_pull").by_default(false).doc(
+                   "A unilateral wall that never pulls inwards."),
+           }},
+          {"wave",
+           "The digital end of a wave-variable drive: reads the outgoing wave, averaged over each "
+           "period, and answers with the incoming one. Needs the damping kind wave.",
+           {
+               member::variant("environment", wave_environment_specs(terms))
+                   .required()
+                   .doc("What lies behind the wave line."),
+           }}};
+}
+
+Controller parse_controller(const json& c, const ControllerSurroundings& /*surroundings*/) {
+  return parse_law(c);
+}
+
+}  // namespace gyrator
