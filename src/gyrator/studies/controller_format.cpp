@@ -58,9 +58,17 @@ Law parse_law(const json& c) {
                      c["no_pull"]};
 }
 
-}  // namespace
+ObjectSpec pre_emphasis_spec() {
+  return {"pre_emphasis",
+          "The discrete inverse of the actuation path, applied to the command.",
+          {
+              member::quantity("band", dimension::frequency)
+                  .above(0)
+                  .doc("Edge of the band in which it inverts; absent: half the sampling rate."),
+          }};
+}
 
-std::vector<ObjectSpec> make_controller_specs(const MotionTerms& terms) {
+std::vector<ObjectSpec> make_law_specs(const MotionTerms& terms) {
   return {{"none", "The command stays zero.", {}},
           {"virtual_wall",
            "Spring and damper computed from the sampled position, at position zero.",
@@ -89,6 +97,17 @@ std::vector<ObjectSpec> make_controller_specs(const MotionTerms& terms) {
            }}};
 }
 
+}  // namespace
+
+std::vector<ObjectSpec> make_controller_specs(const MotionTerms& terms) {
+  std::vector<ObjectSpec> specs = make_law_specs(terms);
+  for (auto& spec : specs) {
+    if (spec.name == "none" || spec.name == "wave") continue;
+    spec.members.push_back(member::object("pre_emphasis", pre_emphasis_spec())
+                               .doc("Output stage that undoes the drive's lag; absent: none."));
+  }
+  return specs;
+}
 Controller parse_controller(const json& c, const ControllerSurroundings& /*surroundings*/) {
   return parse_law(c);
 }

@@ -4,6 +4,7 @@
 #include "gyrator/core/quantity.hpp"
 #include "gyrator/documents/document_reader.hpp"
 #include "gyrator/documents/json_text.hpp"
+#include "gyrator/mechanics/actuation_roots.hpp"
 #include "gyrator/passivity/held_limit.hpp"
 #include "gyrator/plots/pretty_text.hpp"
 #include "gyrator/studies/controller_format.hpp"
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <numbers>
 #include <utility>
 
 #include <fmt/core.h>
@@ -185,6 +187,20 @@ void connect_wave(Model& model, WaveController& wave, const json& sensor) {
   make_wave_law(wave, model.sampling.period.to_double());  // refuses what it cannot be
 }
 
+// The output stage inverts the drive as it is, so that it comes after it.
+void connect_pre_emphasis(Model& model, const json& stage) {
+  if (find_held_impedance(model.device)) {
+    throw Error(ErrorCode::bad_input, "controller/pre_emphasis",
+                "with held_impedance: the wall acts in an analog loop, no command is left to "
+                "emphasize; leave it out");
+  }
+  const double period = model.sampling.period.to_double();
+  const auto band_hz = optional_of(stage, "band");
+  const double band = band_hz ? 2 * std::numbers::pi * *band_hz : std::numbers::pi / period;
+  const ActuationRoots roots = find_actuation_roots(model.device);
+  model.controller.wrappers.emplace_back(make_pre_emphasis(roots.poles, roots.zeros, band, period));
+}
+
 // What no single key can tell.
 void check_together(Model& model, const json& source, const json& read, const std::string& file) {
   const bool ideal = std::holds_alternative<IdealDrive>(model.device.drive.amplifier);
@@ -209,6 +225,9 @@ void check_together(Model& model, const json& source, const json& read, const st
     build_device_network(model.device, FreeOperator{});
     if (auto* wave = std::get_if<WaveController>(&model.controller.law))
       connect_wave(model, *wave, read["sensor"]);
+    const json& controller = read["controller"];
+    if (controller.contains("pre_emphasis") && !controller["pre_emphasis"].is_null())
+      connect_pre_emphasis(model, controller["pre_emphasis"]);
   } catch (const Error& error) {
     throw Error(error.code(), file + ": /" + error.place(), error.message());
   }
