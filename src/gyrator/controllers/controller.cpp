@@ -19,7 +19,7 @@ bool is_linear(const NoController& /*none*/) {
   return true;
 }
 bool is_linear(const VirtualWall& wall) {
-  return !wall.unilateral;
+  return !wall.unilateral && is_linear(wall.velocity);
 }
 bool is_linear(const WaveController& wave) {
   const auto* behind = std::get_if<WaveWall>(&wave.environment);

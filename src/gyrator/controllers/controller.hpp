@@ -36,11 +36,13 @@ struct Controller {
 };
 
 /// H(z) of the controller, from the sampled signal (position, or the wave's integral) to opposing
-/// effort; none for what is not linear (a unilateral wall). `period` in s.
+/// effort; none for what is not linear (a unilateral wall, an adaptive velocity
+/// estimator). `period` in s.
 std::optional<DiscreteStateSpace> find_linear_law(const Controller& controller, double period);
 
 /// The linear law that a criterion judges: H itself, and for a unilateral wall the wall that it
-/// is while in contact. Wrappers that are not linear are left out.
+/// is while in contact. Wrappers that are not linear are left out. Throws
+/// bad_input for a velocity estimator that is not linear: there is no such law.
 DiscreteStateSpace make_contact_law(const Controller& controller, double period);
 
 /// The controller that it is while in contact and free to pull: what linear criteria speak of.

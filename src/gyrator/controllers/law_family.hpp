@@ -20,7 +20,8 @@ struct MobiusLaw {
 ///   a wall behind a wave line  H = -(1 - z^-1)/(T volts_per_command) (b_w - Z)/(b_w + Z),
 ///                              Z = B + K T/2 (z + 1)/(z - 1)                        (family-1)
 /// A controller without a wall stands for the wall of its kind. Linear wrappers (pre-emphasis) act
-/// on the output of all.
+/// on the output of all. Throws bad_input for a velocity estimator that is not linear
+/// (make_velocity_law).
 class LawFamily {
  public:
   LawFamily(const Controller& controller, double period);

@@ -8,6 +8,6 @@ DiscreteStateSpace make_wall_law(const VirtualWall& wall, double period) {
 }
 
 VirtualWallController::VirtualWallController(const VirtualWall& wall, double period)
-    : wall_(wall), velocity_(make_velocity_law(wall.velocity, period)), state_(velocity_) {}
+    : wall_(wall), velocity_(wall.velocity, period) {}
 
 }  // namespace gyrator

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "gyrator/controllers/discrete_state_space.hpp"
-#include "gyrator/controllers/velocity_estimator.hpp"
+#include "gyrator/controllers/running_velocity_estimator.hpp"
 
 namespace gyrator {
 
@@ -18,7 +18,8 @@ struct VirtualWall {
   bool no_pull = false;
 };
 
-/// H(z) of the bilateral wall as one discrete state space, from position to opposing effort.
+/// H(z) of the bilateral wall as one discrete state space, from position to opposing effort. Throws
+/// bad_input for a velocity estimator that is not linear: no H(z) exists, whatever B.
 DiscreteStateSpace make_wall_law(const VirtualWall& wall, double period);
 
 /// The running wall. Velocity is zero at the first sample. `step` allocates nothing.
@@ -28,11 +29,7 @@ class VirtualWallController {
 
   /// Command for the sampled position y.
   double step(double y) {
-    if (!started_) {
-      state_.settle(velocity_, y);
-      started_ = true;
-    }
-    const double effort = wall_.stiffness * y + wall_.damping * state_.step(velocity_, y);
+    const double effort = wall_.stiffness * y + wall_.damping * velocity_.step(y);
     if (!wall_.unilateral) return -effort;
     if (y <= 0 || (wall_.no_pull && effort < 0)) return 0;
     return -effort;
@@ -40,9 +37,7 @@ class VirtualWallController {
 
  private:
   VirtualWall wall_;
-  DiscreteStateSpace velocity_;
-  DiscreteLawState state_;
-  bool started_ = false;
+  RunningVelocityEstimator velocity_;
 };
 
 }  // namespace gyrator

@@ -33,7 +33,7 @@ json finite_or_null(double value) {
 }
 
 StiffnessLimits make_limits(const Model& model) {
-  return {model.device, model.sampling, model.controller, model.held_by};
+  return {model.device, model.sampling, model.sampled_controller(), model.held_by};
 }
 
 Device in_free_air(Device device) {
@@ -50,6 +50,16 @@ struct Design {
   std::vector<StiffnessLimit> found;
   double best_damping = 0, best_stiffness = 0;
 };
+
+// Analyses know keys, not files.
+Design start_design(const Model& model) {
+  try {
+    require_stable_device(model.device);
+    return {&model, make_limits(model), 0, {}, {}};
+  } catch (const Error& error) {
+    throw Error(error.code(), model.file + ": /" + error.place(), error.message());
+  }
+}
 
 double find_widest_damping(StiffnessLimits& limits) {
   const auto feasible = [&](double damping) {
@@ -177,12 +187,7 @@ json make_comparison_result(const std::vector<Model>& models, const ComparisonRe
   Progress progress("compare", models.size() * 3, request.quiet);
   for (const Model& model : models) {
     throw_if_interrupted("compare");
-    try {
-      require_stable_device(model.device);
-    } catch (const Error& error) {
-      throw Error(error.code(), model.file + ": /" + error.place(), error.message());
-    }
-    Design design{&model, make_limits(model), 0, {}, {}};
+    Design design = start_design(model);
     if (request.damping.empty()) design.widest_damping = find_widest_damping(design.limits);
     if (std::isfinite(design.widest_damping)) widest = std::max(widest, design.widest_damping);
     if (design.widest_damping > 0) narrowest = std::min(narrowest, design.widest_damping);

@@ -1,26 +1,11 @@
 #include "gyrator/studies/controller_format.hpp"
 
+#include "gyrator/studies/velocity_format.hpp"
+
 namespace gyrator {
 namespace {
 
 using nlohmann::json;
-
-std::vector<ObjectSpec> velocity_specs() {
-  return {
-      {"difference",
-       "Difference over a window of samples.",
-       {
-           member::integer("window").by_default(1).at_least(1).at_most(1000).doc("Samples back."),
-       }},
-      {"filtered_difference",
-       "Backward difference behind a first-order low-pass, both mapped backward.",
-       {
-           member::quantity("cutoff", dimension::frequency)
-               .required()
-               .above(0)
-               .doc("Of the low-pass."),
-       }}};
-}
 
 std::vector<ObjectSpec> wave_environment_specs(const MotionTerms& terms) {
   return {{"matched", "Absorbs every wave: a damper of the wave impedance.", {}},
@@ -41,20 +26,16 @@ std::vector<ObjectSpec> wave_environment_specs(const MotionTerms& terms) {
            }}};
 }
 
-VelocityEstimator estimator_of(const json& v) {
-  if (v["kind"] == "difference") return DifferenceEstimator{v["window"]};
-  return FilteredDifferenceEstimator{v["cutoff"]};
-}
-
 WaveEnvironment environment_of(const json& e) {
   if (e["kind"] == "matched") return MatchedEnvironment{};
   return WaveWall{e["stiffness"], e["damping"], e["unilateral"]};
 }
 
-Law parse_law(const json& c) {
+Law parse_law(const json& c, const ControllerSurroundings& surroundings) {
   if (c["kind"] == "none") return NoController{};
   if (c["kind"] == "wave") return WaveController{.environment = environment_of(c["environment"])};
-  return VirtualWall{c["stiffness"], c["damping"], estimator_of(c["velocity"]), c["unilateral"],
+  return VirtualWall{c["stiffness"], c["damping"],
+                     parse_velocity_estimator(c["velocity"], surroundings.quantum), c["unilateral"],
                      c["no_pull"]};
 }
 
@@ -80,7 +61,7 @@ std::vector<ObjectSpec> make_law_specs(const MotionTerms& terms) {
                member::quantity("damping", terms.damping)
                    .by_default(0)
                    .doc("Virtual damping B; negative masks damping of the device."),
-               member::variant("velocity", velocity_specs())
+               member::variant("velocity", velocity_specs(terms))
                    .by_default({{"kind", "difference"}})
                    .doc("How velocity is estimated."),
                member::boolean("unilateral").by_default(false).doc("Active only for position > 0."),
@@ -108,8 +89,8 @@ std::vector<ObjectSpec> make_controller_specs(const MotionTerms& terms) {
   }
   return specs;
 }
-Controller parse_controller(const json& c, const ControllerSurroundings& /*surroundings*/) {
-  return parse_law(c);
+Controller parse_controller(const json& c, const ControllerSurroundings& surroundings) {
+  return parse_law(c, surroundings);
 }
 
 }  // namespace gyrator

@@ -225,6 +225,8 @@ void check_together(Model& model, const json& source, const json& read, const st
     build_device_network(model.device, FreeOperator{});
     if (auto* wave = std::get_if<WaveController>(&model.controller.law))
       connect_wave(model, *wave, read["sensor"]);
+    if (const auto* wall = std::get_if<VirtualWall>(&model.controller.law))
+      check_velocity_estimator(wall->velocity, model.sampling.period.to_double());
     const json& controller = read["controller"];
     if (controller.contains("pre_emphasis") && !controller["pre_emphasis"].is_null())
       connect_pre_emphasis(model, controller["pre_emphasis"]);

@@ -3,14 +3,14 @@
 namespace gyrator {
 namespace {
 
-const MotionUnits rotary_units{dimension::inertia,          dimension::rotary_damping,
-                               dimension::rotary_stiffness, dimension::torque,
-                               dimension::torque_constant,  dimension::angle,
-                               dimension::angular_velocity, dimension::angle_quantum};
+const MotionUnits rotary_units{
+    dimension::inertia,          dimension::rotary_damping,  dimension::rotary_stiffness,
+    dimension::torque,           dimension::torque_constant, dimension::angle,
+    dimension::angular_velocity, dimension::angle_quantum,   dimension::angular_acceleration};
 const MotionUnits linear_units{
     dimension::mass,     dimension::linear_damping, dimension::linear_stiffness,
     dimension::force,    dimension::force_constant, dimension::length,
-    dimension::velocity, dimension::length_quantum};
+    dimension::velocity, dimension::length_quantum, dimension::acceleration};
 
 const MotionTerms rotary_terms{rotary_units, Motion::rotary, "rotary",
                                "inertia",    "load_inertia", "torque_constant"};

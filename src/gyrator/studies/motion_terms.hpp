@@ -7,7 +7,8 @@ namespace gyrator {
 
 /// The units of a motion: N.m and rad, or N and m.
 struct MotionUnits {
-  Unit inertia, damping, stiffness, effort, motor_constant, position, velocity, quantum;
+  Unit inertia, damping, stiffness, effort, motor_constant, position, velocity, quantum,
+      acceleration;
 };
 const MotionUnits& units_of(Motion motion);
 

@@ -116,6 +116,13 @@ auto naming_file(const Model& model, const Function& analyse) {
   }
 }
 
+// Where an analog loop does the wall, no estimator is left to judge.
+StiffnessLimits make_limits(const Model& model) {
+  return naming_file(model, [&] {
+    return StiffnessLimits(model.device, model.sampling, model.sampled_controller(), model.held_by);
+  });
+}
+
 json edge_json(const StabilityEdge& edge) {
   return {{"cancellation", optional_number(edge.cancellation)},
           {"coldest_rise", optional_number(edge.coldest_rise)},
@@ -213,7 +220,7 @@ std::vector<double> choose_damping_range(const Model& model, int points) {
       damping.push_back(wave->impedance * (-0.5 + 2.0 * i / std::max(1, points - 1)));
     return damping;
   }
-  StiffnessLimits limits(model.device, model.sampling, model.controller, model.held_by);
+  StiffnessLimits limits = make_limits(model);
   const double b = limits.disk().model().at(limits.grid().front()).impedance.real();
   const auto feasible = [&](double damping) {
     return naming_file(model, [&] { return limits.find(Criterion::exact_disk, damping).feasible; });
@@ -238,7 +245,7 @@ json make_zwidth_result(const Model& model, const ZwidthRequest& request) {
   naming_file(model, [&] { require_stable_device(model.device); });
   json result = start_result("zwidth", model);
   const auto wall = wall_of(model);
-  StiffnessLimits limits(model.device, model.sampling, model.controller, model.held_by);
+  StiffnessLimits limits = make_limits(model);
   Progress progress("Z-width", request.damping.size() * request.criteria.size(), request.quiet);
   json boundaries = json::array();
   for (const Criterion criterion : request.criteria) {

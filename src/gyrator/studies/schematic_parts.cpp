@@ -202,6 +202,7 @@ struct AmplifierParts {
 // ---- Controllers and velocity estimators ------------------------------------------------------
 
 struct EstimatorLines {
+  const Terms& terms;
   BlockText& lines;
 
   void operator()(const DifferenceEstimator& e) const {
@@ -211,6 +212,21 @@ struct EstimatorLines {
   void operator()(const FilteredDifferenceEstimator& e) const {
     lines.push_back("velocity: difference,");
     lines.push_back("low-pass " + hertz(e.cutoff_hz));
+  }
+  void operator()(const ButterworthEstimator& e) const {
+    lines.push_back("velocity: difference,");
+    lines.push_back(fmt::format("Butterworth, order {},", e.order));
+    lines.push_back(hertz(e.cutoff_hz));
+  }
+  void operator()(const AdaptiveWindowEstimator& e) const {
+    lines.push_back("velocity: FOAW,");
+    lines.push_back(fmt::format("{}-fit, window to {},", e.fit == WindowFit::end ? "end" : "best",
+                                e.max_window));
+    lines.push_back("noise " + print_quantity(e.noise, terms.units.position));
+  }
+  void operator()(const LevantEstimator& e) const {
+    lines.push_back("velocity: Levant,");
+    lines.push_back("L " + print_quantity(e.acceleration_bound, terms.units.acceleration));
   }
 };
 
@@ -224,7 +240,7 @@ struct ControllerLines {
     BlockText lines{held ? "gains of the wall" : "virtual wall",
                     "K " + terms.stiffness(wall.stiffness), "B " + terms.damping(wall.damping)};
     if (held) return lines;
-    if (wall.damping != 0) std::visit(EstimatorLines{lines}, wall.velocity);
+    if (wall.damping != 0) std::visit(EstimatorLines{terms, lines}, wall.velocity);
     if (wall.unilateral) lines.push_back(wall.no_pull ? "unilateral, no pull" : "unilateral");
     return lines;
   }

@@ -120,12 +120,12 @@ TEST(VelocityEstimator, refuses_a_window_or_a_cutoff_that_is_not_positive) {
     }
     return std::string("accepted");
   };
-  EXPECT_EQ(refusal(DifferenceEstimator{0}), "velocity/window");
-  EXPECT_EQ(refusal(DifferenceEstimator{-3}), "velocity/window");
+  EXPECT_EQ(refusal(DifferenceEstimator{0}), "controller/velocity/window");
+  EXPECT_EQ(refusal(DifferenceEstimator{-3}), "controller/velocity/window");
   EXPECT_EQ(refusal(DifferenceEstimator{1}), "accepted");
-  EXPECT_EQ(refusal(FilteredDifferenceEstimator{0}), "velocity/cutoff");
-  EXPECT_EQ(refusal(FilteredDifferenceEstimator{-10}), "velocity/cutoff");
-  EXPECT_EQ(refusal(FilteredDifferenceEstimator{std::nan("")}), "velocity/cutoff");
+  EXPECT_EQ(refusal(FilteredDifferenceEstimator{0}), "controller/velocity/cutoff");
+  EXPECT_EQ(refusal(FilteredDifferenceEstimator{-10}), "controller/velocity/cutoff");
+  EXPECT_EQ(refusal(FilteredDifferenceEstimator{std::nan("")}), "controller/velocity/cutoff");
   EXPECT_EQ(refusal(FilteredDifferenceEstimator{1e-3}), "accepted");
 }
 
