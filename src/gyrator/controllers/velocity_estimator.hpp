@@ -56,7 +56,7 @@ struct AdaptiveWindowEstimator {
 /// order the homogeneous discretization has no further terms. With the default gains, without
 /// noise and once it has converged, |v - y'| <= 4 L T; a start |v - y'| away takes about as
 /// many seconds as that is times 1/(1.1 L). Noise d adds an error of order sqrt(L d).
-/// Source: Levant 1998, 2003; the bound by exhausting the reachable errors (estimator_study).
+/// Source: Levant 1998, 2003; the bound by exhausting the reachable errors, in levant_test.
 struct LevantEstimator {
   double acceleration_bound = 0;
   double root_gain = 1.5;
