@@ -1,5 +1,6 @@
 """Bad input and numerical failure: exit code, silence on stdout, and a message that helps."""
 import json
+import math
 import os
 import unittest
 
@@ -156,6 +157,47 @@ class KeyTest(ModelErrorTest):
                                            ("/schema", "gyrator/modle/1", "allowed", "gyrator/model/1")):
             self.assert_value_refused(path, typo, f"'{typo}'", "allowed", known,
                                       f"did you mean '{nearest}'?")
+
+    def test_a_velocity_estimator_that_cannot_be_is_refused_with_what_can(self):
+        for estimator, key, expected in (
+                ({"kind": "butterworth", "cutoff": "50 Hz", "order": 0}, "order", "at least 1 and at most 8"),
+                ({"kind": "butterworth", "cutoff": "50 Hz", "order": 9}, "order", "at least 1 and at most 8"),
+                ({"kind": "butterworth", "cutoff": "600 Hz"}, "cutoff", "below 500 Hz, the Nyquist frequency"),
+                ({"kind": "foaw"}, "noise", "the sensor a quantum"),
+                ({"kind": "foaw", "noise": 0}, "noise", "above 0 rad"),
+                ({"kind": "foaw", "noise": "1 mm"}, "noise", "an angle [rad] is expected"),
+                ({"kind": "foaw", "noise": 1e-3, "max_window": 0}, "max_window", "at least 1"),
+                ({"kind": "foaw", "noise": 1e-3, "fit": "both"}, "fit", "best, end"),
+                ({"kind": "levant", "acceleration_bound": 0}, "acceleration_bound", "above 0 rad/s^2"),
+                ({"kind": "levant", "acceleration_bound": 9, "sign_gain": 1}, "sign_gain", "above 1")):
+            self.assert_all_commands_refuse(with_value(load_example(), "/controller/velocity", estimator),
+                                            f"model.json: /controller/velocity/{key}: ", expected)
+
+    def test_criteria_refuse_an_estimator_that_is_not_linear_and_name_those_that_are(self):
+        for estimator in ({"kind": "foaw", "noise": 1e-3}, {"kind": "levant", "acceleration_bound": 100}):
+            for damping in (1e-4, 0):
+                model = with_value(load_example(), "/controller/velocity", estimator)
+                name = self.write_model(with_value(model, "/controller/damping", damping))
+                for arguments in (["passivity", name], ["zwidth", name], ["zwidth", name, "--damping", "0"],
+                                  ["compare", name, name]):
+                    with self.subTest(arguments=arguments, estimator=estimator, damping=damping):
+                        self.assert_refused(self.run_program(*arguments),
+                                            f"{name}: /controller/velocity/kind: \"{estimator['kind']}\"",
+                                            "not linear", "\"butterworth\"", "simulate")
+                for arguments in (["impedance", name], ["simulate", name]):
+                    self.assertEqual(self.run_program(*arguments).code, 0)
+
+    def test_the_noise_of_an_adaptive_window_is_the_sensors_quantum_unless_given(self):
+        quantum = "8192 counts/rev"
+        model = with_value(load_example(), "/sensor/quantum", quantum)
+        runs = {}
+        for label, noise in (("absent", {}), ("the quantum", {"noise": 2 * math.pi / 8192}), ("more", {"noise": 0.01})):
+            name = self.write_model(with_value(model, "/controller/velocity", {"kind": "foaw", **noise}))
+            answer = self.run_program("simulate", name, "--json")
+            self.assertEqual(answer.code, 0, answer)
+            runs[label] = answer.json["energy"]
+        self.assertEqual(runs["absent"], runs["the quantum"])
+        self.assertNotEqual(runs["absent"], runs["more"])
 
     def test_a_missing_member_is_refused_with_its_name_and_unit(self):
         base = load_example()

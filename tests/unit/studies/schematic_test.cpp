@@ -86,7 +86,12 @@ std::vector<Controller> make_controllers() {
   filtered.unilateral = filtered.no_pull = true;
   VirtualWall windowed{.stiffness = 0.4, .damping = 1.5e-4};
   windowed.velocity = DifferenceEstimator{.window = 12};
-  return {NoController{}, VirtualWall{.stiffness = 0.4}, filtered, windowed};
+  VirtualWall butterworth = windowed, adaptive = windowed, levant = windowed;
+  butterworth.velocity = ButterworthEstimator{.order = 4, .cutoff_hz = 123.456};
+  adaptive.velocity = AdaptiveWindowEstimator{.noise = 7.67e-4, .max_window = 32};
+  levant.velocity = LevantEstimator{.acceleration_bound = 123.456};
+  return {NoController{}, VirtualWall{.stiffness = 0.4}, filtered, windowed, butterworth, adaptive,
+          levant};
 }
 
 std::vector<Controller> make_wave_controllers() {
