@@ -24,9 +24,10 @@ struct ElementId {
 enum class Domain { electrical, mechanical };
 
 /// Whose energy an element handles in the ledger: the device's own, the operator's, nobody's (a
-/// signal inside an amplifier, which carries no physical power), or the amplifier's supply (what
-/// its limits take back counts as not delivered).
-enum class Role { device, operator_side, signal, supply };
+/// signal inside an amplifier, which carries no physical power), the amplifier's supply (what its
+/// limits take back counts as not delivered), or a contact's effort, which whoever computes it
+/// books.
+enum class Role { device, operator_side, signal, supply, contact };
 
 // The closed list of element laws. v is the across quantity from the positive to the negative
 // node (voltage [V] or velocity [m/s, rad/s]); i the through quantity flowing from the positive

@@ -96,6 +96,11 @@ bool is_nonlinear(const ElementLaw& law) {
          std::holds_alternative<ThermalResistor>(law);
 }
 
+bool is_piecewise_linear(const ElementLaw& law) {
+  return is_nonlinear(law) && !std::holds_alternative<Diode>(law) &&
+         !std::holds_alternative<ThermalResistor>(law);
+}
+
 LawKind kind_of(const ElementLaw& law) {
   if (std::holds_alternative<CurrentLimiter>(law) || std::holds_alternative<ThermalResistor>(law))
     return LawKind::resistance;

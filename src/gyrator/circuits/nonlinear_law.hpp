@@ -10,6 +10,9 @@ namespace gyrator {
 /// Whether a law's slope depends on its argument (or on a temperature).
 bool is_nonlinear(const ElementLaw& law);
 
+/// Whether a nonlinear law consists of lines: one slope up to +-edge, another beyond.
+bool is_piecewise_linear(const ElementLaw& law);
+
 /// What a nonlinear law is a function of, and what it gives.
 enum class LawKind {
   conductance,     ///< i over the element's own v
@@ -36,7 +39,7 @@ struct NonlinearPort {
   std::string element;
   ElementLaw law;
   double companion = 0, leak = 0;
-  double size = 1;            ///< argument at which the law bends, for tolerances
+  double size = 1;            ///< argument at which the law bends: the edge of a piecewise linear one
   double steepest_slope = 0;  ///< anywhere it is likely to be used
 };
 NonlinearPort make_port(const Element& element);

@@ -8,7 +8,17 @@
 namespace gyrator {
 
 EngineKind choose_engine(const Plant& plant) {
-  return plant.nonlinear ? EngineKind::cvode : EngineKind::exact;
+  const bool smooth = plant.nonlinear && !plant.nonlinear->is_piecewise_linear();
+  return smooth ? EngineKind::cvode : EngineKind::exact;
+}
+
+void ContactEvents::count(const ModeGuard& crossed, int from) {
+  if (crossed.part == 0) {
+    if (crossed.next == 0) ++sticks;
+    if (from == 0) ++slips;
+  } else if (crossed.part == 1 && from == 0) {
+    ++impacts;
+  }
 }
 
 Engine::Engine(const Plant& plant) {

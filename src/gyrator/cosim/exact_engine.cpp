@@ -1,7 +1,10 @@
 #include "gyrator/circuits/state_space.hpp"
 #include "gyrator/core/error.hpp"
 #include "gyrator/cosim/engine.hpp"
+#include "gyrator/cosim/step_ladder.hpp"
 
+#include <algorithm>
+#include <memory>
 #include <vector>
 
 namespace gyrator {
@@ -32,10 +35,29 @@ class ExactEngine final : public Engine {
 
   void advance_once(double interval, double /*time*/, const Eigen::Vector2d& u,
                     PlantState& state) override {
-    if (interval > 0) move(make_segment(interval), u, state);
+    if (!(interval > 0)) return;
+    if (!ladder_) make_ladder(interval);
+    z_ << state.xi, u;
+    StepLadder::Work work{};
+    ladder_->travel(interval, z_, work);
+    state.xi = z_.head(n_);
+    state.operator_work += work[0];
+    state.source_work += work[1];
+    state.dissipated += work[2];
   }
 
  private:
+  // For lengths that come only once: no exponential is made for each.
+  void make_ladder(double interval) {
+    for (const Segment& segment : segments_) interval = std::max(interval, segment.interval);
+    Eigen::MatrixXd rate(n_, n_ + 2);
+    rate << plant_.A, plant_.B;
+    std::vector<Eigen::MatrixXd> forms;
+    const auto& e = plant_.energy;
+    if (ledger_) forms = {e.operator_work, e.source, e.dissipated};
+    ladder_ = std::make_unique<StepLadder>(rate, forms, interval);
+  }
+
   struct Segment {
     double interval;
     Eigen::MatrixXd propagate;                          // [phi gamma]
@@ -111,15 +133,19 @@ class ExactEngine final : public Engine {
   Eigen::Index n_;
   Eigen::VectorXd z_;
   std::vector<Segment> segments_;
+  std::unique_ptr<StepLadder> ladder_;
 };
 
 }  // namespace
 
 std::unique_ptr<Engine> make_exact_engine(const Plant& plant, const EngineOptions& options) {
   if (plant.nonlinear) {
-    throw Error(
-        ErrorCode::bad_input, "engine",
-        "exact: the element " + plant.nonlinear->named_by + " is not linear: use cvode or odeint");
+    for (const NonlinearPort& port : plant.nonlinear->ports) {
+      if (is_piecewise_linear(port.law)) continue;
+      throw Error(ErrorCode::bad_input, "engine",
+                  "exact: the element " + port.element + " is not linear in pieces: use cvode");
+    }
+    return make_hybrid_engine(plant, options);
   }
   return std::make_unique<ExactEngine>(plant, options);
 }

@@ -120,6 +120,10 @@ class OdeintEngine final : public Engine {
 }  // namespace
 
 std::unique_ptr<Engine> make_odeint_engine(const Plant& plant, const EngineOptions& options) {
+  if (plant.nonlinear && plant.nonlinear->contacts) {
+    throw Error(ErrorCode::bad_input, "engine",
+                "odeint: cannot find when dry friction and stops switch: use exact or cvode");
+  }
   return std::make_unique<OdeintEngine>(plant, options);
 }
 

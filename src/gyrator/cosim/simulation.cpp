@@ -250,6 +250,7 @@ class Run {
 
   void finish(long steps) {
     run_.steps = steps;
+    run_.events = state_.events;
     run_.final_time_s = time_at(steps);
     auto& e = run_.energy;
     e.operator_work = state_.operator_work;

@@ -36,7 +36,45 @@ void add_operator(DeviceNetwork& d, const Operator& held_by) {
   }
 }
 
+void check_stops(const HardStops& stops) {
+  const auto refuse = [](const char* key, const std::string& message) {
+    throw Error(ErrorCode::bad_input, std::string("mechanics/stops") + key, message);
+  };
+  if (!stops.lower && !stops.upper)
+    refuse("", "neither \"lower\" nor \"upper\": give at least one of them");
+  if (stops.lower && stops.upper && !(*stops.lower < *stops.upper)) {
+    refuse("/upper", fmt::format("{:g}: must be above \"lower\", which is {:g}", *stops.upper,
+                                 *stops.lower));
+  }
+  if (!(stops.stiffness > 0) || !std::isfinite(stops.stiffness))
+    refuse("/stiffness", fmt::format("{:g}: must be above 0", stops.stiffness));
+  if (!(stops.damping >= 0) || !std::isfinite(stops.damping))
+    refuse("/damping", fmt::format("{:g}: must be at least 0", stops.damping));
+}
+
 }  // namespace
+
+std::optional<DryFriction> find_dry_friction(const Mechanics& mechanics) {
+  const DryFriction friction{mechanics.coulomb_friction,
+                             mechanics.stiction.value_or(mechanics.coulomb_friction),
+                             mechanics.stribeck_velocity};
+  if (!(friction.sliding >= 0)) {
+    throw Error(ErrorCode::bad_input, "mechanics/coulomb_friction",
+                fmt::format("{:g}: must be at least 0", friction.sliding));
+  }
+  if (!(friction.breakaway >= friction.sliding) || !std::isfinite(friction.breakaway)) {
+    throw Error(ErrorCode::bad_input, "mechanics/stiction",
+                fmt::format("{:g}: must be at least coulomb_friction, {:g}, which it starts from; "
+                            "left out, it equals that",
+                            friction.breakaway, friction.sliding));
+  }
+  if (!(friction.stribeck_velocity >= 0)) {
+    throw Error(ErrorCode::bad_input, "mechanics/stribeck_velocity",
+                fmt::format("{:g}: must be at least 0", friction.stribeck_velocity));
+  }
+  if (friction.breakaway == 0) return std::nullopt;
+  return friction;
+}
 
 DeviceNetwork build_device_network(const Device& device, const Operator& held_by, double gain) {
   DeviceNetwork d;
@@ -48,6 +86,9 @@ DeviceNetwork build_device_network(const Device& device, const Operator& held_by
   network.add("command", command, ground, VoltageSource{d.command}, Role::signal);
 
   const Mechanics& mechanics = device.mechanics;
+  d.friction = find_dry_friction(mechanics);
+  if (mechanics.stops) check_stops(*mechanics.stops);
+  d.stops = mechanics.stops;
   d.motor_shaft = network.add_node("motor.shaft", Domain::mechanical);
   network.add("mechanics.inertia", d.motor_shaft, ground, Capacitor{mechanics.inertia});
   if (mechanics.damping > 0) {

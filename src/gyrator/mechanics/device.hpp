@@ -2,6 +2,7 @@
 
 #include "gyrator/circuits/descriptor.hpp"
 #include "gyrator/circuits/drive.hpp"
+#include "gyrator/mechanics/contact.hpp"
 
 #include <optional>
 #include <variant>
@@ -22,9 +23,16 @@ struct Transmission {
 struct Mechanics {
   double inertia = 0;           ///< of motor and all that is rigid with it [kg.m^2 or kg]
   double damping = 0;           ///< viscous, to ground, at the motor [N.m.s/rad or N.s/m]
-  double coulomb_friction = 0;  ///< [N.m or N]
+  double coulomb_friction = 0;  ///< sliding level at the motor [N.m or N]
   std::optional<Transmission> transmission;
+  std::optional<double> stiction;  ///< breakaway effort [N.m or N]; none: coulomb_friction
+  double stribeck_velocity = 0;    ///< up to which friction falls from one to the other
+  std::optional<HardStops> stops;  ///< at the operator port
 };
+
+/// The dry friction that the mechanics have. Throws bad_input for a breakaway effort below the
+/// sliding level.
+std::optional<DryFriction> find_dry_friction(const Mechanics& mechanics);
 
 /// What the controller samples: the integral of the port's velocity, of the motor's, or of the wave
 /// that leaves a wave drive, W = V - R_w i [V].
@@ -73,11 +81,15 @@ struct DeviceNetwork {
   DriveTaps drive;
   double gain = 1;         ///< of the amplifier, per unit of command [A/N.m, V/N.m, 1 …]
   bool collocated = true;  ///< the sensor sees the port's motion itself
+  // Not of the network: the linear tools leave both out, build_moving_plant takes them in.
+  std::optional<DryFriction> friction;  ///< at motor_shaft
+  std::optional<HardStops> stops;       ///< at port
 };
 
 /// Builds the network. The command is scaled so that at DC, and with the winding at the reference
 /// temperature, the blocked effort equals it; throws bad_input where the drive passes no DC at all,
-/// and where a wave is to be sensed without a drive that has one.
+/// where a wave is to be sensed without a drive that has one, and where friction or stops
+/// contradict themselves.
 DeviceNetwork build_device_network(const Device& device, const Operator& held_by);
 
 /// The same with the amplifier's gain as it is, whatever effort comes of it.

@@ -3,6 +3,7 @@
 #include "gyrator/circuits/operating_point.hpp"
 #include "gyrator/core/error.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -250,6 +251,8 @@ void require_no_rates(const NetworkEquations& equations, const Reduction& reduct
     if (std::holds_alternative<Capacitor>(element.law)) continue;
     for (const LinearForm& form : {equations.through({e}), equations.across(ElementId{e})}) {
       const RowVectorXd rate = rate_of(form);
+      if (element.role != Role::contact && !rate.segment(2, given - 2).isZero(1e-12))
+        refuse(element.name);
       for (Index port = 0; port < ports; ++port) {
         if (!held[static_cast<std::size_t>(port)] && std::abs(rate(given + port)) > 1e-12)
           refuse(element.name);
@@ -275,8 +278,8 @@ VectorXd find_state(const Descriptor& descriptor, const Reduction& reduction, co
 void set_tangent(Plant& plant, const VectorXd& slopes) {
   const NonlinearPart& nl = *plant.nonlinear;
   const Index p = slopes.size();
-  const MatrixXd G = nl.B.middleCols(2, p) * slopes.asDiagonal();
-  const MatrixXd loop = MatrixXd::Identity(p, p) - nl.D.middleCols(2, p) * slopes.asDiagonal();
+  const MatrixXd G = nl.port_columns(nl.B) * slopes.asDiagonal();
+  const MatrixXd loop = MatrixXd::Identity(p, p) - nl.port_columns(nl.D) * slopes.asDiagonal();
   const Eigen::PartialPivLU<MatrixXd> lu(loop);
   plant.A = nl.A;
   plant.B = nl.B.leftCols(2);
@@ -288,6 +291,70 @@ void set_tangent(Plant& plant, const VectorXd& slopes) {
     plant.A(t.state, t.state) = -1 / (t.law.thermal_resistance * t.law.thermal_capacity);
 }
 
+// The network with an input for the effort of each contact.
+DeviceNetwork add_contact_inputs(const DeviceNetwork& device) {
+  DeviceNetwork with = device;
+  Network& network = with.network;
+  const int friction = network.add_input("friction");
+  const int stop = network.add_input("stop_effort");
+  network.add_input("stop_deflection");
+  network.add("mechanics.friction", ground, with.motor_shaft, CurrentSource{friction},
+              Role::contact);
+  network.add("mechanics.stops", ground, with.port, CurrentSource{stop}, Role::contact);
+  return with;
+}
+
+// Friction and stops as signals and in the ledger: both are quadratic in [ξ; U] in every mode.
+void add_contacts(Plant& plant, const DeviceNetwork& device, const ReducedForm& shaft_velocity) {
+  NonlinearPart& nl = *plant.nonlinear;
+  const Index n = plant.states();
+  const Index m = nl.B.cols();
+  Signal shaft{"shaft_velocity", RowVectorXd::Zero(n), shaft_velocity.input};
+  shaft.state.head(shaft_velocity.state.size()) = shaft_velocity.state;
+  for (const Signal* s : {&shaft, &plant.port_velocity, &plant.port_position}) {
+    if (!s->input.isZero(1e-12)) {
+      throw Error(ErrorCode::numerical, "mechanics",
+                  "the " + s->name + " would jump with the command: friction and stops need an "
+                  "inertia behind the drive");
+    }
+  }
+  nl.contacts = NonlinearPart::Contacts{device.friction, device.stops, shaft};
+
+  const auto row_of = [&](const RowVectorXd& state, Index input) {
+    RowVectorXd row = RowVectorXd::Zero(n + m);
+    row.head(n) = state;
+    if (input >= 0) row(n + input) = 1;
+    return row;
+  };
+  const RowVectorXd none = RowVectorXd::Zero(n);
+  const auto add = [](MatrixXd& form, double factor, const RowVectorXd& a, const RowVectorXd& b) {
+    form += factor / 2 * (a.transpose() * b + b.transpose() * a);
+  };
+  auto& e = plant.energy;
+  if (device.friction) {
+    const RowVectorXd effort = row_of(none, NonlinearPart::friction_input);
+    add(e.dissipated, -1, effort, row_of(shaft.state, -1));
+    plant.others.push_back({"friction", none, effort.tail(m)});
+  }
+  if (device.stops) {
+    const RowVectorXd effort = row_of(none, NonlinearPart::stop_input);
+    const RowVectorXd deflection = row_of(none, NonlinearPart::deflection_input);
+    add(e.stored, device.stops->stiffness / 2, deflection, deflection);
+    add(e.dissipated, -1, effort + device.stops->stiffness * deflection,
+        row_of(plant.port_velocity.state, -1));
+    plant.others.push_back({"stop_effort", none, effort.tail(m)});
+  }
+}
+
+// A law that felt a contact's effort at once would close a second loop around both.
+void require_inertia_at_contacts(const NonlinearPart& nl) {
+  for (std::size_t k = 0; k < nl.ports.size(); ++k) {
+    if (nl.D.row(static_cast<Index>(k)).segment(2, 3).isZero(1e-12)) continue;
+    throw Error(ErrorCode::numerical, nl.ports[k].element,
+                "feels friction or a stop without an inertia between: not simulated");
+  }
+}
+
 }  // namespace
 
 Plant build_plant(const DeviceNetwork& device) {
@@ -295,9 +362,17 @@ Plant build_plant(const DeviceNetwork& device) {
   return assemble(device, equations, reduce(equations.descriptor()));
 }
 
-Plant build_moving_plant(const DeviceNetwork& device) {
+bool NonlinearPart::is_piecewise_linear() const {
+  return std::all_of(ports.begin(), ports.end(), [](const NonlinearPort& port) {
+    return gyrator::is_piecewise_linear(port.law);
+  });
+}
+
+Plant build_moving_plant(const DeviceNetwork& given) {
+  const bool touches = given.friction || given.stops;
+  if (given.network.is_linear() && !touches) return build_plant(given);
+  const DeviceNetwork device = touches ? add_contact_inputs(given) : given;
   const Network& network = device.network;
-  if (network.is_linear()) return build_plant(device);
   const NetworkEquations equations = NetworkEquations::with_ports(network);
   const Reduction reduction = reduce(equations.descriptor());
   require_no_rates(equations, reduction);
@@ -305,7 +380,11 @@ Plant build_moving_plant(const DeviceNetwork& device) {
   const OperatingPoint point = find_operating_point(network);
 
   NonlinearPart nl;
-  nl.named_by = network.element(*network.find_nonlinear()).name;
+  if (const auto element = network.find_nonlinear()) {
+    nl.named_by = network.element(*element).name;
+  } else {
+    nl.named_by = device.friction ? "mechanics.friction" : "mechanics.stops";
+  }
   nl.ports = equations.ports();
   const auto p = static_cast<Index>(nl.ports.size());
   for (Index k = 0; k < p; ++k) {
@@ -337,13 +416,17 @@ Plant build_moving_plant(const DeviceNetwork& device) {
     ++k;
   }
 
-  VectorXd inputs(plant.B.cols());
-  inputs << 0, 0, point.port_inputs, 1;
+  VectorXd inputs = VectorXd::Zero(plant.B.cols());
+  inputs.tail(p + 1) << point.port_inputs, 1;
   plant.bias = VectorXd::Zero(n);
   plant.bias.head(reduction.A.rows()) =
       find_state(equations.descriptor(), reduction, point.unknowns, inputs);
   for (const auto& t : nl.thermal) plant.bias(t.state) = t.law.initial_rise;
   plant.nonlinear = std::move(nl);
+  if (touches) {
+    require_inertia_at_contacts(*plant.nonlinear);
+    add_contacts(plant, device, reduction.reduce(equations.across(device.motor_shaft)));
+  }
   set_tangent(plant, slopes);
   return plant;
 }

@@ -22,8 +22,10 @@ struct Signal {
 };
 
 /// What a plant with nonlinear elements or constant sources is for large signals:
-///   dξ/dt = A ξ + B U,   y = C ξ + D U,   U = [u; w(y); 1]                      (nl-1)
-/// with the laws cut out of the network as ports (port-1), and of each warming winding
+///   dξ/dt = A ξ + B U,   y = C ξ + D U,   U = [u; contacts; w(y); 1]            (nl-1)
+/// with the laws cut out of the network as ports (port-1); contacts, where there are any, the
+/// effort of friction on the shaft, that of the stops on the port and the port's signed deflection
+/// of a stop (for the ledger; it moves nothing); and of each warming winding
 ///   dh/dt = (R(h) i² - h/R_th) / C_th                                           (thermal-1)
 /// as one more state h at the end of ξ.
 struct NonlinearPart {
@@ -34,8 +36,23 @@ struct NonlinearPart {
     ThermalResistor law;
   };
   std::vector<Thermal> thermal;
+  struct Contacts {
+    std::optional<DryFriction> friction;
+    std::optional<HardStops> stops;
+    Signal shaft_velocity;
+  };
+  std::optional<Contacts> contacts;
   Eigen::VectorXd at_rest;  ///< y at the operating point
   std::string named_by;     ///< element that makes it nonlinear, for messages
+
+  // Where U has what.
+  static constexpr Eigen::Index friction_input = 2, stop_input = 3, deflection_input = 4;
+  Eigen::Index first_port() const { return contacts ? 5 : 2; }
+  auto port_columns(const Eigen::MatrixXd& of) const {
+    return of.middleCols(first_port(), static_cast<Eigen::Index>(ports.size()));
+  }
+  /// What each mode of bends and contacts makes affine: no diode, no winding that warms.
+  bool is_piecewise_linear() const;
 };
 
 /// The continuous plant as an ordinary state space with named ports and signals.
@@ -79,8 +96,8 @@ inline constexpr const char* wave_integral_name = "wave_integral";
 Plant build_plant(const DeviceNetwork& device);
 
 /// The plant as it moves, whatever the size: with its nonlinear part where the network is not
-/// linear. Throws as build_plant(), and where a law or an energy would need the derivative of a
-/// limited quantity (a saturated voltage source across a bare capacitor).
+/// linear, and with friction and stops. Throws as build_plant(), and where a law or an energy would
+/// need the derivative of a limited quantity (a saturated voltage source across a bare capacitor).
 Plant build_moving_plant(const DeviceNetwork& device);
 
 }  // namespace gyrator

@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 PlantDynamics::PlantDynamics(const Plant& plant)
     : plant_(plant),
       nl_(*plant.nonlinear),
-      loop_(nl_.ports, nl_.D.middleCols(2, static_cast<Index>(nl_.ports.size()))),
+      loop_(nl_.ports, nl_.port_columns(nl_.D)),
       q_(loop_.size()),
       inputs_(VectorXd::Zero(plant.inputs())),
       rises_(VectorXd::Zero(loop_.size())) {
@@ -42,7 +42,7 @@ const VectorXd& PlantDynamics::solve(const VectorXd& xi, const Eigen::Vector2d& 
                 fmt::format("its law and the circuit around it agree on no point (argument {:g})",
                             argument));
   }
-  inputs_.segment(2, p) = loop_.inputs();
+  inputs_.segment(nl_.first_port(), p) = loop_.inputs();
   return inputs_;
 }
 
@@ -66,7 +66,7 @@ const MatrixXd& PlantDynamics::jacobian(const VectorXd& xi) {
     dw_.resize(0, xi.size());
     return jacobian_;
   }
-  const auto F = nl_.D.middleCols(2, p);
+  const auto F = nl_.port_columns(nl_.D);
   MatrixXd direct = MatrixXd::Zero(p, xi.size());  // dw/dξ at constant y
   for (const auto& t : nl_.thermal) {
     direct(t.port, t.state) =
@@ -75,7 +75,7 @@ const MatrixXd& PlantDynamics::jacobian(const VectorXd& xi) {
   const MatrixXd matrix = MatrixXd::Identity(p, p) - F * loop_.slopes().asDiagonal();
   const MatrixXd dy = matrix.partialPivLu().solve(nl_.C + F * direct);
   dw_ = loop_.slopes().asDiagonal() * dy + direct;
-  jacobian_.noalias() += nl_.B.middleCols(2, p) * dw_;
+  jacobian_.noalias() += nl_.port_columns(nl_.B) * dw_;
   for (const auto& t : nl_.thermal) {
     const double current = loop_.arguments()(t.port);
     const LawPoint law = evaluate_law(t.law, current, xi(t.state));
@@ -90,8 +90,8 @@ const MatrixXd& PlantDynamics::jacobian(const VectorXd& xi) {
 
 MatrixXd PlantDynamics::tangent(const VectorXd& slopes) const {
   const Index p = slopes.size();
-  const MatrixXd matrix = MatrixXd::Identity(p, p) - nl_.D.middleCols(2, p) * slopes.asDiagonal();
-  return nl_.A + nl_.B.middleCols(2, p) * slopes.asDiagonal() * matrix.partialPivLu().solve(nl_.C);
+  const MatrixXd matrix = MatrixXd::Identity(p, p) - nl_.port_columns(nl_.D) * slopes.asDiagonal();
+  return nl_.A + nl_.port_columns(nl_.B) * slopes.asDiagonal() * matrix.partialPivLu().solve(nl_.C);
 }
 
 VectorXd PlantDynamics::slopes_at_rest() const {
@@ -110,7 +110,7 @@ VectorXd PlantDynamics::find_state_sizes() const {
   const Index p = loop_.size();
   if (p == 0) return sizes;
   const MatrixXd matrix =
-      MatrixXd::Identity(p, p) - nl_.D.middleCols(2, p) * slopes_at_rest().asDiagonal();
+      MatrixXd::Identity(p, p) - nl_.port_columns(nl_.D) * slopes_at_rest().asDiagonal();
   const MatrixXd moved = matrix.partialPivLu().solve(nl_.C).cwiseAbs();
   for (Index k = 0; k < p; ++k) {
     const double size = nl_.ports[static_cast<std::size_t>(k)].size;
