@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,8 @@ using testing::make_rc_display;
 
 const Sampling one_ms{Rational(1, 1000), 0};
 
-constexpr double located = 1e-9;      // of the exact engine: rounding, and 2^-52 of a switching time
-constexpr double integrated = 1e-6;   // of cvode at 1e-9 a step
+constexpr double located = 1e-9;     // of the exact engine: rounding, and 2^-52 of a switching time
+constexpr double integrated = 1e-6;  // of cvode at 1e-9 a step
 
 double accuracy_of(EngineKind engine) {
   return engine == EngineKind::exact ? located : integrated;
@@ -52,10 +53,10 @@ SimulationOptions make_options(EngineKind engine, const Rational& duration) {
 
 void expect_closed_ledger(const TimeRun& r, EngineKind engine) {
   const EnergyLedger& e = r.energy;
-  const double moved = std::abs(e.operator_work) + std::abs(e.source) + e.dissipated + e.stored +
-                       e.stored_initially;
+  const double moved =
+      std::abs(e.operator_work) + std::abs(e.source) + e.dissipated + e.stored + e.stored_initially;
   EXPECT_NEAR(e.residual, 0, (engine == EngineKind::exact ? 1e-12 : integrated) * moved);
-  EXPECT_GE(e.dissipated, 0);
+  EXPECT_GE(e.dissipated, -1e-15 * moved);
 }
 
 class Contact : public ::testing::TestWithParam<EngineKind> {};
@@ -138,41 +139,40 @@ TEST_P(Contact, holds_an_effort_just_below_stiction_and_gives_way_just_above) {
   }
 }
 
-// A spring between the block and a mass that nothing slows down makes the ramp.
-TEST_P(Contact, a_block_pushed_by_a_ramp_sticks_until_f_s_and_then_slides_in_closed_form) {
-  Device device = make_block(0.2, 0.35);
-  const double k = 20;
-  device.mechanics.transmission = Transmission{.stiffness = k, .damping = 0, .load_inertia = 1e12};
-  SimulationOptions options = make_options(GetParam(), Rational(1, 5));
+// A current amplifier of a few Hz makes the ramp: effort u (1 - e^(-t/T)).
+TEST_P(Contact, a_shaft_pushed_by_a_ramp_sticks_until_f_s_and_then_slides_in_closed_form) {
+  Device device = make_rc_display();
+  device.drive.damping.clear();
+  device.drive.amplifier = CurrentAmplifier{.bandwidth_hz = 3};
+  device.mechanics.damping = 0;
+  device.mechanics.coulomb_friction = 0.02;
+  device.mechanics.stiction = 0.035;
   const Plant plant = build_moving_plant(build_device_network(device, FreeOperator{}));
-  // Load at 0.25 m/s, for ever; block at rest. Both start so after the engine is handed the state.
   const auto engine = make_engine(GetParam(), plant, {});
   const int ms = engine->prepare(1e-3);
-  PlantState state;
-  state.xi = plant.initial_state(0, 0.25);
-  const auto& contacts = *plant.nonlinear->contacts;
-  const Eigen::VectorXd push = plant.nonlinear->B.col(NonlinearPart::friction_input);
-  state.xi -= push * (contacts.shaft_velocity.state.dot(state.xi) /
-                      contacts.shaft_velocity.state.dot(push));
-  const double m = device.mechanics.inertia;
-  const double t1 = 0.35 / (k * 0.25);  // breaks away
-  const double w = std::sqrt(k / m);
-  ASSERT_GT(t1, 0.05);
-  for (int step = 1; step <= 150; ++step) {
-    engine->advance(ms, 1e-3 * (step - 1), {0, 0}, state);
-    const double t = 1e-3 * step;
-    // m x'' = k (x_L - x) - f_c: with s = x_L - x - f_c/k, s'' = -w^2 s, s' = 0.25 at t1
-    double v = 0;
-    if (t > t1) {
-      const double s1 = (0.35 - 0.2) / k;
-      v = 0.25 - (0.25 * std::cos(w * (t - t1)) - w * s1 * std::sin(w * (t - t1)));
-      if (w * (t - t1) > 5) break;  // before it comes to rest again
+  const double u = 0.06;
+  const double T = 1 / (2 * std::numbers::pi * 3);
+  const double t1 = -T * std::log(1 - 0.035 / u);
+  ASSERT_GT(t1, 0.04);
+  const double J = device.mechanics.inertia;
+  const double last =
+      ((u - 0.02) * (0.1 - t1) + u * T * (std::exp(-0.1 / T) - std::exp(-t1 / T))) / J;
+  for (const double way : {1.0, -1.0}) {
+    PlantState state;
+    state.xi = plant.initial_state(0, 0);
+    for (int step = 1; step <= 100; ++step) {
+      engine->advance(ms, 1e-3 * (step - 1), {way * u, 0}, state);
+      const double t = 1e-3 * step;
+      double v = 0;
+      if (t > t1) v = ((u - 0.02) * (t - t1) + u * T * (std::exp(-t / T) - std::exp(-t1 / T))) / J;
+      const Eigen::VectorXd& U = engine->inputs({way * u, 0}, state);
+      EXPECT_NEAR(plant.port_velocity.value(state.xi, U), way * v, accuracy_of(GetParam()) * last);
+      const double friction = t > t1 ? 0.02 : u * -std::expm1(-t / T);
+      EXPECT_NEAR(U(NonlinearPart::friction_input), -way * friction, accuracy_of(GetParam()) * u);
     }
-    EXPECT_NEAR(contacts.shaft_velocity.value(state.xi, engine->inputs({0, 0}, state)), v,
-                accuracy_of(GetParam()))
-        << t;
+    EXPECT_EQ(state.events.slips, 1);
+    EXPECT_EQ(state.events.sticks, 0);
   }
-  EXPECT_EQ(state.events.slips, 1);
 }
 
 // Kelvin–Voigt contact: e = k q + d q' until e = 0.
@@ -182,7 +182,8 @@ TEST_P(Contact, bounces_from_a_stop_with_the_restitution_of_a_damped_contact) {
       Device device = make_block(0, 0);
       const double m = device.mechanics.inertia;
       const double k = 4000;
-      device.mechanics.stops = HardStops{.lower = -0.02, .upper = 0.02, .stiffness = k, .damping = d};
+      device.mechanics.stops =
+          HardStops{.lower = -0.02, .upper = 0.02, .stiffness = k, .damping = d};
       SimulationOptions options = make_options(GetParam(), Rational(1, 20));
       options.initial_velocity = side * 1.0;
       const TimeRun r = run(device, options);
@@ -195,14 +196,14 @@ TEST_P(Contact, bounces_from_a_stop_with_the_restitution_of_a_damped_contact) {
       EXPECT_NEAR(k * q + d * v, 0, 1e-10);
       ASSERT_LT(v, 0);
       EXPECT_NEAR(r.trace.column("velocity").back(), side * v, accuracy_of(GetParam()));
-      EXPECT_NEAR(r.trace.column("position").back(),
-                  side * (0.02 + q + v * (0.05 - 0.02 - t)), accuracy_of(GetParam()));
+      EXPECT_NEAR(r.trace.column("position").back(), side * (0.02 + q + v * (0.05 - 0.02 - t)),
+                  accuracy_of(GetParam()));
       EXPECT_EQ(r.events.impacts, 1);
       EXPECT_NEAR(r.energy.dissipated, m / 2 * (1 - v * v), accuracy_of(GetParam()) * m);
       expect_closed_ledger(r, GetParam());
-      const double most = *std::max_element(r.trace.column("stop_effort").begin(),
-                                            r.trace.column("stop_effort").end(),
-                                            [](double x, double y) { return std::abs(x) < std::abs(y); });
+      const double most = *std::max_element(
+          r.trace.column("stop_effort").begin(), r.trace.column("stop_effort").end(),
+          [](double x, double y) { return std::abs(x) < std::abs(y); });
       EXPECT_LT(most * side, 0);  // pushes back
     }
   }
@@ -229,7 +230,7 @@ TEST_P(Contact, dry_friction_ends_an_oscillation_with_even_losses) {
   options.initial_position = 0.0103;
   const TimeRun r = run(device, options, hand);
   // 10.3, -9.3 … in steps of 1 mm: rests at the first turning point within f_s/k = 0.5 mm.
-  EXPECT_NEAR(r.trace.column("position").back(), 0.0003, 1e-9 + 1e-3 * accuracy_of(GetParam()));
+  EXPECT_NEAR(r.trace.column("position").back(), 0.0003, 0.0103 * accuracy_of(GetParam()));
   EXPECT_EQ(r.trace.column("velocity").back(), 0);
   expect_closed_ledger(r, GetParam());
 }

@@ -39,7 +39,7 @@ struct NonlinearPort {
   std::string element;
   ElementLaw law;
   double companion = 0, leak = 0;
-  double size = 1;            ///< argument at which the law bends: the edge of a piecewise linear one
+  double size = 1;  ///< argument at which the law bends: the edge of a piecewise linear one
   double steepest_slope = 0;  ///< anywhere it is likely to be used
 };
 NonlinearPort make_port(const Element& element);

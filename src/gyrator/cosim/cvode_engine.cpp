@@ -1,5 +1,6 @@
 #include "gyrator/circuits/state_space.hpp"
 #include "gyrator/core/error.hpp"
+#include "gyrator/cosim/contact_switch.hpp"
 #include "gyrator/cosim/engine.hpp"
 #include "gyrator/mechanics/plant_dynamics.hpp"
 
@@ -31,6 +32,11 @@ constexpr double stiff_ratio = 40;
 // by no less than this part of a state's own tolerance (rounding is near).
 constexpr double looser_than_bend = 1e4;
 constexpr double sharpest_part = 1e-4;
+
+// Where a guard lies below zero by more than this part of the tolerance, what it guards is over.
+constexpr double below_tolerance = 1e-3;
+constexpr int most_changes = 200;     // of mode at what is one instant,
+constexpr double one_instant = 1e-9;  // this part of a segment
 
 struct CvodeFree {
   void operator()(void* memory) const { CVodeFree(&memory); }
@@ -74,6 +80,16 @@ class CvodeEngine final : public Engine {
       dynamics_.emplace(plant_);
       fastest_ = dynamics_->find_fastest_rate();
       bends_ = dynamics_->find_state_sizes();
+      if (plant_.nonlinear->contacts) {
+        contacts_.emplace(plant_);
+        contact_columns_ = plant_.nonlinear->B.middleCols(2, 3);
+        for (const Modes& modes : contacts_->touching()) {
+          contacts_->enter(modes);
+          const Eigen::VectorXcd poles =
+              compute_poles(plant_.A + contact_columns_ * contacts_->closed().leftCols(n_));
+          fastest_ = std::max(fastest_, poles.cwiseAbs().maxCoeff());
+        }
+      }
     } else {
       const Eigen::VectorXcd poles = compute_poles(plant.A);
       fastest_ = poles.size() > 0 ? poles.cwiseAbs().maxCoeff() : 0;
@@ -104,22 +120,54 @@ class CvodeEngine final : public Engine {
     double* y = N_VGetArrayPointer(y_.get());
     for (Eigen::Index i = 0; i < n_; ++i) y[i] = state.xi(i);
     for (Eigen::Index i = n_; i < size_; ++i) y[i] = 0;
-    integrate(interval, time);
+    double reached = 0;
+    if (contacts_) {
+      follow_contacts(interval, time, state);
+    } else {
+      integrate(reached, interval, time);
+    }
     for (Eigen::Index i = 0; i < n_; ++i) state.xi(i) = y[i];
     state.operator_work += y[n_];
     state.source_work += y[n_ + 1];
     state.dissipated += y[n_ + 2];
   }
 
+  const Eigen::VectorXd& inputs(const Eigen::Vector2d& u, const PlantState& state) override {
+    if (!contacts_) return Engine::inputs(u, state);
+    Modes modes = state.modes.empty() ? contacts_->start(state.xi) : state.modes;
+    Eigen::VectorXd xi = state.xi;
+    if (scales_.states().size() == 0) set_sizes(state, u);
+    for (int changes = 0; changes < most_changes; ++changes) {
+      contacts_->enter(modes);
+      z_.head(n_) = xi;
+      z_.tail(plant_.inputs()) = dynamics_->solve(xi, u);
+      contacts_->close(z_);
+      const int crossed = find_violated();
+      if (crossed < 0) break;
+      contacts_->change(crossed, modes, xi);
+    }
+    inputs_ = z_.tail(plant_.inputs());
+    return inputs_;
+  }
+
  private:
   void set_up() {
     const bool stiff = fastest_ * longest_ > stiff_ratio;
+    shifts_.assign(ContactSwitch::most_guards, 0);
     memory_.reset(CVodeCreate(stiff ? CV_BDF : CV_ADAMS, context_));
     check(CVodeInit(memory_.get(), right_hand_side, 0.0, y_.get()), "CVodeInit", 0);
     check(CVodeSetUserData(memory_.get(), this), "CVodeSetUserData", 0);
     check(CVodeWFtolerances(memory_.get(), error_weights), "CVodeWFtolerances", 0);
     check(CVodeSetMaxNumSteps(memory_.get(), options_.max_steps), "CVodeSetMaxNumSteps", 0);
     check(CVodeSetErrHandlerFn(memory_.get(), keep_message, this), "CVodeSetErrHandlerFn", 0);
+    if (contacts_) {
+      std::array<int, ContactSwitch::most_guards> falling;
+      falling.fill(-1);
+      check(CVodeRootInit(memory_.get(), ContactSwitch::most_guards, guard_values), "CVodeRootInit",
+            0);
+      check(CVodeSetRootDirection(memory_.get(), falling.data()), "CVodeSetRootDirection", 0);
+      check(CVodeSetNoInactiveRootWarn(memory_.get()), "CVodeSetNoInactiveRootWarn", 0);
+    }
     if (stiff) {
       matrix_.reset(SUNDenseMatrix(size_, size_, context_));
       linear_solver_.reset(SUNLinSol_Dense(y_.get(), matrix_.get(), context_));
@@ -231,12 +279,14 @@ class CvodeEngine final : public Engine {
       throw Error(error.code(), fmt::format("t = {:.9g} s: {}", started_ + t, error.place()),
                   error.message());
     }
+    if (contacts_) contacts_->close(z_);
   }
 
   void evaluate_nonlinear(double t, double* rate) {
     solve_ports(t);
     Eigen::Map<Eigen::VectorXd> out(rate, size_);
     out.head(n_) = dynamics_->rate(xi_);
+    if (contacts_) out.head(n_).noalias() += contact_columns_ * z_.segment<3>(n_ + 2);
     for (std::size_t f = 0; f < 3; ++f) {
       power_.noalias() = forms_[f] * z_;
       out(n_ + static_cast<Eigen::Index>(f)) = options_.ledger ? z_.dot(power_) : 0;
@@ -250,20 +300,99 @@ class CvodeEngine final : public Engine {
     out.setZero();
     out.topLeftCorner(n_, n_) = dynamics_->jacobian(xi_);
     const Eigen::MatrixXd& dw = dynamics_->port_jacobian();
+    const Eigen::Index first = n_ + plant_.nonlinear->first_port();
+    Eigen::MatrixXd de;  // of the contacts
+    if (contacts_) {
+      const Eigen::MatrixXd& closed = contacts_->closed();
+      de = closed.leftCols(n_) + closed.middleCols(first, dw.rows()) * dw;
+      out.topLeftCorner(n_, n_) += contact_columns_ * de;
+    }
     for (std::size_t f = 0; options_.ledger && f < 3; ++f) {
       power_.noalias() = 2 * (forms_[f] * z_);
-      out.row(n_ + static_cast<Eigen::Index>(f)).head(n_) =
-          power_.head(n_).transpose() + power_.segment(n_ + 2, dw.rows()).transpose() * dw;
+      auto row = out.row(n_ + static_cast<Eigen::Index>(f)).head(n_);
+      row = power_.head(n_).transpose() + power_.segment(first, dw.rows()).transpose() * dw;
+      if (contacts_) row += power_.segment<3>(n_ + 2).transpose() * de;
     }
   }
 
-  // To the end of the segment. At the bend of a law beside an inductance the step may shrink to
-  // nothing; from where it stopped the rest of the segment is taken with a wider tolerance. What
-  // that costs shows in the energy ledger, which every run is held to.
-  void integrate(double interval, double time) {
+  static int guard_values(double t, N_Vector y, double* values, void* self_pointer) {
+    auto& self = *static_cast<CvodeEngine*>(self_pointer);
+    try {
+      self.z_.head(self.n_) = Eigen::Map<const Eigen::VectorXd>(N_VGetArrayPointer(y), self.n_);
+      self.solve_ports(t);
+      for (int i = 0; i < ContactSwitch::most_guards; ++i) {
+        values[i] = i < self.contacts_->guards() ? self.contacts_->value(i, self.z_) +
+                                                       self.shifts_[static_cast<std::size_t>(i)]
+                                                 : 1;
+      }
+      return 0;
+    } catch (...) {
+      self.failure_ = std::current_exception();
+      return -1;
+    }
+  }
+
+  double tolerance_of(int guard) const {
+    return below_tolerance * options_.relative_tolerance * contacts_->size(guard, sizes_);
+  }
+
+  // With z_ filled in: the guard that does not hold, or -1.
+  int find_violated() const {
+    for (int i = 0; i < contacts_->guards(); ++i) {
+      if (contacts_->value(i, z_) + tolerance_of(i) < 0) return i;
+    }
+    return -1;
+  }
+
+  int find_crossed() const {
+    std::array<int, ContactSwitch::most_guards> roots{};
+    check(CVodeGetRootInfo(memory_.get(), roots.data()), "CVodeGetRootInfo", started_);
+    const auto it = std::find_if(roots.begin(), roots.end(), [](int root) { return root < 0; });
+    return it == roots.end() ? -1 : static_cast<int>(it - roots.begin());
+  }
+
+  // Mode by mode to the end of the segment.
+  void follow_contacts(double interval, double time, PlantState& state) {
+    if (state.modes.empty()) state.modes = contacts_->start(state.xi);
+    contacts_->enter(state.modes);
+    Eigen::Map<Eigen::VectorXd> y(N_VGetArrayPointer(y_.get()), n_);
+    double reached = 0;
+    double then = 0;
+    for (int changes = 0;;) {
+      z_.head(n_) = y;
+      solve_ports(reached);
+      int crossed = find_violated();
+      for (int i = 0; i < contacts_->guards(); ++i)
+        shifts_[static_cast<std::size_t>(i)] = tolerance_of(i);
+      if (crossed < 0) {
+        if (!(interval - reached > 1e-13 * interval)) break;
+        if (!integrate(reached, interval, time)) break;
+        crossed = find_crossed();
+        if (crossed < 0) continue;
+      }
+      if (reached - then > one_instant * interval) {
+        then = reached;
+        changes = 0;
+      }
+      if (++changes > most_changes) {
+        throw Error(ErrorCode::numerical, contacts_->name_of(crossed),
+                    fmt::format("switches more than {} times at t = {:.9g} s: the device and its "
+                                "contacts agree on no mode there",
+                                most_changes, time + reached));
+      }
+      contacts_->count(crossed, state.events);
+      contacts_->change(crossed, state.modes, y);
+    }
+    contacts_->hold(y);
+  }
+
+  // To the end of the segment, or to where a guard falls below zero (true). At the bend of a law
+  // beside an inductance the step may shrink to nothing; from where it stopped the rest of the
+  // segment is taken with a wider tolerance. What that costs shows in the energy ledger, which
+  // every run is held to.
+  bool integrate(double& reached, double interval, double time) {
     constexpr int most_attempts = 4;
     constexpr double widening = 30;
-    double reached = 0;
     widened_ = 1;
     for (int attempt = 1;; ++attempt) {
       check(CVodeReInit(memory_.get(), reached, y_.get()), "CVodeReInit", time);
@@ -275,7 +404,7 @@ class CvodeEngine final : public Engine {
       if (!stuck || !dynamics_ || attempt == most_attempts) {
         if (flag < 0 && failure) std::rethrow_exception(failure);
         check(flag, "CVode", time + reached);
-        return;
+        return flag == CV_ROOT_RETURN;
       }
       widened_ *= widening;
     }
@@ -306,6 +435,10 @@ class CvodeEngine final : public Engine {
   double widened_ = 1;  ///< factor on the tolerance, for the rest of a segment
   StateScales scales_;
   std::optional<PlantDynamics> dynamics_;  ///< of a nonlinear plant
+  std::optional<ContactSwitch> contacts_;  ///< of one with friction or stops
+  std::vector<double> shifts_;             ///< of the guards, so that none starts at zero
+  Eigen::MatrixXd contact_columns_;        ///< of B
+  Eigen::VectorXd inputs_;
   Eigen::Vector2d u_ = Eigen::Vector2d::Zero();
   double started_ = 0;  ///< the segment's start [s]
   double fastest_ = 0;

@@ -21,9 +21,9 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-constexpr int most_changes = 200;              // of mode at what is one instant,
-constexpr double one_instant = 1e-9;           // this part of a segment
-constexpr std::size_t most_own_ladders = 4;    // segment lengths with steps of their own
+constexpr int most_changes = 200;            // of mode at what is one instant,
+constexpr double one_instant = 1e-9;         // this part of a segment
+constexpr std::size_t most_own_ladders = 4;  // segment lengths with steps of their own
 constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
 // How far guards may be looked at from a step's ends only: the fastest oscillation turns this far,
 // the fastest pole decays this far from where something switched or jumped.
@@ -223,8 +223,7 @@ class HybridEngine final : public Engine {
   Mode::Steps& steps_of(Mode& mode, std::size_t interval) const {
     Mode::Steps& steps = mode.ladders[interval];
     if (!steps.ladder) {
-      steps.ladder =
-          std::make_unique<StepLadder>(mode.rate, mode.forms, intervals_[interval]);
+      steps.ladder = std::make_unique<StepLadder>(mode.rate, mode.forms, intervals_[interval]);
       const StepLadder& ladder = *steps.ladder;
       const auto shortest = [&](double rate, double most) {
         int step = 0;
@@ -263,8 +262,7 @@ class HybridEngine final : public Engine {
     for (Index i = 0; i < mode.rows.rows(); ++i) {
       double size = 0;
       for (Index j = 0; j < size_; ++j)
-        size += (sized ? mode.sizes(i, j) : rounding * std::abs(mode.rows(i, j))) *
-                std::abs(z_(j));
+        size += (sized ? mode.sizes(i, j) : rounding * std::abs(mode.rows(i, j))) * std::abs(z_(j));
       mode.tolerance(i) = size;
       if (found < 0 && mode.before.value(i) + size < 0) found = static_cast<int>(i);
     }

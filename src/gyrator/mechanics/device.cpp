@@ -43,8 +43,8 @@ void check_stops(const HardStops& stops) {
   if (!stops.lower && !stops.upper)
     refuse("", "neither \"lower\" nor \"upper\": give at least one of them");
   if (stops.lower && stops.upper && !(*stops.lower < *stops.upper)) {
-    refuse("/upper", fmt::format("{:g}: must be above \"lower\", which is {:g}", *stops.upper,
-                                 *stops.lower));
+    refuse("/upper",
+           fmt::format("{:g}: must be above \"lower\", which is {:g}", *stops.upper, *stops.lower));
   }
   if (!(stops.stiffness > 0) || !std::isfinite(stops.stiffness))
     refuse("/stiffness", fmt::format("{:g}: must be above 0", stops.stiffness));

@@ -314,8 +314,9 @@ void add_contacts(Plant& plant, const DeviceNetwork& device, const ReducedForm& 
   for (const Signal* s : {&shaft, &plant.port_velocity, &plant.port_position}) {
     if (!s->input.isZero(1e-12)) {
       throw Error(ErrorCode::numerical, "mechanics",
-                  "the " + s->name + " would jump with the command: friction and stops need an "
-                  "inertia behind the drive");
+                  "the " + s->name +
+                      " would jump with the command: friction and stops need an "
+                      "inertia behind the drive");
     }
   }
   nl.contacts = NonlinearPart::Contacts{device.friction, device.stops, shaft};

@@ -13,8 +13,8 @@ class PlantDynamics {
   /// `plant` must have a nonlinear part and outlive this.
   explicit PlantDynamics(const Plant& plant);
 
-  /// U = [u; contacts; w; 1] at ξ, the contacts' efforts zero (no law feels them at once). Throws numerical, naming the element, where the loop has no solution that
-  /// can be found.
+  /// U = [u; contacts; w; 1] at ξ, the contacts' efforts zero (no law feels them at once). Throws
+  /// numerical, naming the element, where the loop has no solution that can be found.
   const Eigen::VectorXd& solve(const Eigen::VectorXd& xi, const Eigen::Vector2d& u);
 
   // After solve(), at the same ξ:

@@ -164,8 +164,7 @@ void PlantModes::add_friction_guards(int mode, std::vector<ModeGuard>& guards) c
   }
   const int way = sign_of(mode);
   const RowVectorXd speed = row(way * shaft_velocity_, -1, 0);
-  const double edge =
-      friction_->breakaway > friction_->sliding ? friction_->stribeck_velocity : 0;
+  const double edge = friction_->breakaway > friction_->sliding ? friction_->stribeck_velocity : 0;
   if (std::abs(mode) == 2) {
     add(speed, -edge, way);
     return;
