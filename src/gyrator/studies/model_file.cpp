@@ -130,6 +130,12 @@ Mechanics mechanics_of(const json& m) {
   mechanics.inertia = either(m, "inertia", "mass");
   mechanics.damping = m["damping"];
   mechanics.coulomb_friction = m["coulomb_friction"];
+  mechanics.stiction = optional_of(m, "stiction");
+  mechanics.stribeck_velocity = m["stribeck_velocity"];
+  if (const json& s = m["stops"]; !s.is_null()) {
+    mechanics.stops =
+        HardStops{optional_of(s, "lower"), optional_of(s, "upper"), s["stiffness"], s["damping"]};
+  }
   if (const json& t = m["transmission"]; !t.is_null()) {
     mechanics.transmission =
         Transmission{t["stiffness"], t["damping"], either(t, "load_inertia", "load_mass")};

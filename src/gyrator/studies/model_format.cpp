@@ -90,6 +90,16 @@ ObjectSpec mechanics_spec(const MotionTerms& terms) {
               .above(0)
               .doc("Beyond the compliance."),
       }};
+  const ObjectSpec stops{
+      "stops",
+      "Elastic stops at the operator port, e = k q + d dq/dt beyond them, never pulling. Only "
+      "`simulate` knows them. Give lower, upper or both.",
+      {
+          member::quantity("lower", terms.position).doc("Position; absent: none."),
+          member::quantity("upper", terms.position).doc("Position; absent: none."),
+          member::quantity("stiffness", terms.stiffness).required().above(0).doc("Of each stop."),
+          member::quantity("damping", terms.damping).by_default(0).at_least(0).doc("Of each stop."),
+      }};
   return {"mechanics",
           "What moves.",
           {
@@ -104,7 +114,18 @@ ObjectSpec mechanics_spec(const MotionTerms& terms) {
               member::quantity("coulomb_friction", terms.effort)
                   .by_default(0)
                   .at_least(0)
-                  .doc("Used by the criterion quantized_coulomb; `simulate` takes 0 only."),
+                  .doc("Sliding level at the motor; the linear tools leave it out, but for the "
+                       "criterion quantized_coulomb."),
+              member::quantity("stiction", terms.effort)
+                  .at_least(0)
+                  .doc("Effort at which a resting motor breaks away; at least, and by default, "
+                       "coulomb_friction. Only `simulate` knows it."),
+              member::quantity("stribeck_velocity", terms.velocity)
+                  .by_default(0)
+                  .at_least(0)
+                  .doc("Up to which friction falls along a line from stiction to coulomb_friction; "
+                       "0: at once."),
+              member::object("stops", stops).doc("Hard stops at the port."),
               member::object("transmission", transmission).doc("Compliant transmission to a load."),
               member::object("high_pass_damper", high_pass_damper_spec(terms))
                   .doc("Damper with a floating inertia; may stand in \"damping\" as well."),

@@ -61,10 +61,12 @@ nlohmann::json make_operating_point_fields(const Model& model) {
 }
 
 std::optional<std::string> find_nonlinear_element(const Model& model) {
-  const Network network = build_device_network(model.device, model.held_by).network;
-  const auto element = network.find_nonlinear();
-  if (!element) return std::nullopt;
-  return network.element(*element).name;
+  const DeviceNetwork device = build_device_network(model.device, model.held_by);
+  if (const auto element = device.network.find_nonlinear())
+    return device.network.element(*element).name;
+  if (device.friction) return "mechanics.friction";
+  if (device.stops) return "mechanics.stops";
+  return std::nullopt;
 }
 
 }  // namespace gyrator

@@ -136,18 +136,6 @@ json stability_json(const Model& model) {
   return {{"clamped", edge_json(edges->clamped)}, {"free", edge_json(edges->free)}};
 }
 
-EngineKind engine_of(const SimulationRequest& request,
-                     const std::optional<std::string>& nonlinear) {
-  if (!request.engine) return nonlinear ? EngineKind::cvode : EngineKind::exact;
-  if (nonlinear && *request.engine == EngineKind::exact) {
-    throw Error(ErrorCode::bad_input, "--engine",
-                fmt::format("exact: {} is not linear, and matrix exponentials need a linear "
-                            "model: use cvode (what is taken without --engine) or odeint",
-                            *nonlinear));
-  }
-  return *request.engine;
-}
-
 std::optional<WallValues> wall_of(const Model& model) {
   return find_wall_values(model.controller);
 }
@@ -308,26 +296,19 @@ void check_ledger(const Model& model, const TimeRun& run, double tolerance) {
 }  // namespace
 
 TimeRun run_simulation(const Model& model, const SimulationRequest& request) {
-  if (model.device.mechanics.coulomb_friction > 0) {
-    throw Error(ErrorCode::bad_input, model.file + ": /mechanics/coulomb_friction",
-                fmt::format("{:g}: simulate takes devices without Coulomb friction only; set it to "
-                            "0 (the criterion "
-                            "quantized_coulomb of `passivity` uses it)",
-                            model.device.mechanics.coulomb_friction));
-  }
   naming_file(model, [&] { require_stable_device(model.device); });
   SimulationOptions options;
   options.duration = request.duration.value_or(model.duration);
   options.initial_position = model.initial_position;
   options.initial_velocity = model.initial_velocity;
   options.external_effort = model.external_effort;
-  options.engine = engine_of(request, find_nonlinear_element(model));
   options.engine_options = request.engine_options;
   options.trace_step = request.trace_step;
   const double samples = options.duration.to_double() / model.sampling.period.to_double();
   Progress progress("simulate", static_cast<std::uint64_t>(samples), request.quiet);
   options.on_progress = [&](long done) { progress.advance(static_cast<std::uint64_t>(done)); };
   const Plant plant = build_moving_plant(build_device_network(model.device, model.held_by));
+  options.engine = request.engine.value_or(choose_engine(plant));
   try {
     TimeRun run =
         simulate(plant, model.sensor, model.sampled_controller(), model.sampling, options);
@@ -336,9 +317,10 @@ TimeRun run_simulation(const Model& model, const SimulationRequest& request) {
   } catch (const Error& error) {
     // The simulation knows keys, not files and options.
     if (error.code() != ErrorCode::bad_input) throw;
-    const bool option = error.place() == "simulation/duration" && request.duration;
-    throw Error(error.code(), option ? "--duration" : model.file + ": /" + error.place(),
-                error.message());
+    std::string place = model.file + ": /" + error.place();
+    if (error.place() == "simulation/duration" && request.duration) place = "--duration";
+    if (error.place() == "engine") place = "--engine";
+    throw Error(error.code(), place, error.message());
   }
 }
 
@@ -346,10 +328,9 @@ json make_simulation_result(const Model& model, const SimulationRequest& request
                             const TimeRun& run) {
   json result = start_result("simulate", model);
   const auto nonlinear = find_nonlinear_element(model);
-  const EngineKind engine = engine_of(request, nonlinear);
-  result["engine"] = engine == EngineKind::exact   ? "exact"
-                     : engine == EngineKind::cvode ? "cvode"
-                                                   : "odeint";
+  result["engine"] = run.engine == EngineKind::exact   ? "exact"
+                     : run.engine == EngineKind::cvode ? "cvode"
+                                                       : "odeint";
   result["nonlinear_element"] = nonlinear ? json(*nonlinear) : json(nullptr);
   result["final_time_s"] = run.final_time_s;
   result["steps"] = run.steps;
@@ -362,6 +343,12 @@ json make_simulation_result(const Model& model, const SimulationRequest& request
   result["energy"] = {{"operator", e.operator_work}, {"source", e.source},
                       {"stored", e.stored},          {"stored_initially", e.stored_initially},
                       {"dissipated", e.dissipated},  {"residual", e.residual}};
+  const Mechanics& mechanics = model.device.mechanics;
+  if (find_dry_friction(mechanics) || mechanics.stops) {
+    result["contact_events"] = {{"sticks", run.events.sticks},
+                                {"slips", run.events.slips},
+                                {"impacts", run.events.impacts}};
+  }
   const auto& names = run.trace.names;
   if (std::find(names.begin(), names.end(), "winding_temperature_rise") != names.end()) {
     const auto& rise = run.trace.column("winding_temperature_rise");
