@@ -293,10 +293,22 @@ class FileTest(ModelErrorTest):
 class SimulateInputTest(ProgramTest):
     """What only `simulate` cannot take is refused in the same words as everything else."""
 
-    def test_dry_friction_is_refused_with_file_and_path(self):
+    def test_friction_and_stops_that_contradict_themselves_are_refused_with_file_and_path(self):
+        stops = {"lower": 0.2, "upper": 0.1, "stiffness": 5}
+        for path, value, what in (
+                ("/mechanics/stiction", 1e-3, "at least coulomb_friction"),
+                ("/mechanics/stops", {"stiffness": 5}, "at least one"),
+                ("/mechanics/stops", stops, "must be above"),
+                ("/mechanics/stops", {"upper": 0.1}, "stiffness")):
+            model = with_value(load_example(), "/mechanics/coulomb_friction", 2e-3)
+            name = self.write_model(with_value(model, path, value))
+            with self.subTest(path=path, value=value):
+                self.assert_refused(self.run_program("simulate", name), what)
+                self.assert_refused(self.run_program("passivity", name), "model.json: " + path)
+
+    def test_friction_is_not_for_odeint(self):
         name = self.write_model(with_value(load_example(), "/mechanics/coulomb_friction", 1e-3))
-        self.assert_refused(self.run_program("simulate", name), "0.001")
-        self.assert_refused(self.run_program("simulate", name), "model.json: /mechanics/coulomb_friction: ")
+        self.assert_refused(self.run_program("simulate", name, "--engine", "odeint"), "--engine", "exact or cvode")
 
     def test_a_duration_below_one_period_is_refused_with_file_and_path(self):
         name = self.write_model(with_value(load_example(), "/simulation/duration", "0.1 ms"))

@@ -113,9 +113,13 @@ class SpiceTest(ProgramTest):
             with self.subTest(words=words):
                 self.assert_refused(answer, "--output" if words[0] == "-o" else words[0])
 
-    def test_friction_is_refused_as_in_simulate(self):
+    def test_friction_and_stops_are_left_out_and_the_deck_says_so(self):
+        without = self.write_model(load_example(), "without.json")
         name = self.write_model(with_value(load_example(), "/mechanics/coulomb_friction", 1e-3))
-        self.assert_refused(self.run_program("spice", name), "/mechanics/coulomb_friction")
+        said = "* Left out, run and deck alike: dry friction and hard stops of the mechanics.\n\n"
+        deck = self.run_program("spice", name).out
+        self.assertIn(said, deck)
+        self.assertEqual(len(deck.splitlines()), len(self.run_program("spice", without).out.splitlines()) + 2)
 
 
 if __name__ == "__main__":

@@ -143,7 +143,8 @@ std::unique_ptr<Engine> make_exact_engine(const Plant& plant, const EngineOption
     for (const NonlinearPort& port : plant.nonlinear->ports) {
       if (is_piecewise_linear(port.law)) continue;
       throw Error(ErrorCode::bad_input, "engine",
-                  "exact: the element " + port.element + " is not linear in pieces: use cvode");
+                  "exact: the element " + port.element +
+                      " is neither linear nor linear in pieces: use cvode");
     }
     return make_hybrid_engine(plant, options);
   }

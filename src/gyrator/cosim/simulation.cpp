@@ -250,6 +250,7 @@ class Run {
 
   void finish(long steps) {
     run_.steps = steps;
+    run_.engine = options_.engine;
     run_.events = state_.events;
     run_.final_time_s = time_at(steps);
     auto& e = run_.energy;

@@ -58,6 +58,7 @@ struct TimeRun {
   Classification classification;
   double final_time_s = 0;
   long steps = 0;
+  EngineKind engine = EngineKind::exact;
   ContactEvents events;        ///< of friction and stops
   bool stopped_early = false;  ///< grew beyond 1e9 times its largest size at the start
 };

@@ -38,7 +38,7 @@ nlohmann::json make_zwidth_result(const Model& model, const ZwidthRequest& reque
 std::vector<double> choose_damping_range(const Model& model, int points);
 
 struct SimulationRequest {
-  std::optional<EngineKind> engine;  ///< none: exact for a linear model, cvode for any other
+  std::optional<EngineKind> engine;  ///< none: the one that choose_engine() takes
   EngineOptions engine_options;
   std::optional<Rational> duration, trace_step;
   bool quiet = true;  ///< no progress bar

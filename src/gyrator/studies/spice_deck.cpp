@@ -123,9 +123,21 @@ std::string write_title(const Model& model) {
       model.name, version, units.velocity.symbol, units.effort.symbol);
 }
 
+// Whether there were any.
+bool remove_contacts(Mechanics& mechanics) {
+  const bool any = find_dry_friction(mechanics).has_value() || mechanics.stops.has_value();
+  mechanics.coulomb_friction = 0;
+  mechanics.stiction.reset();
+  mechanics.stops.reset();
+  return any;
+}
+
 }  // namespace
 
-SpiceDeck make_spice_deck(const Model& model, const SpiceRequest& request) {
+SpiceDeck make_spice_deck(const Model& given, const SpiceRequest& request) {
+  // The deck's command is that of a run without what the deck cannot hold.
+  Model model = given;
+  const bool leaves_out = remove_contacts(model.device.mechanics);
   SpiceDeck deck;
   SimulationRequest simulation;
   simulation.duration = request.duration;
@@ -173,7 +185,10 @@ SpiceDeck make_spice_deck(const Model& model, const SpiceRequest& request) {
   const double period = model.sampling.period.to_double();
 
   std::string& text = deck.text;
-  text = write_title(model) + netlist.lines;
+  text = write_title(model);
+  if (leaves_out)
+    text += "* Left out, run and deck alike: dry friction and hard stops of the mechanics.\n\n";
+  text += netlist.lines;
   text += fmt::format("* Position: 1 V is 1 {}, the integral of the port's velocity.\n",
                       units.position.symbol);
   text += fmt::format(
