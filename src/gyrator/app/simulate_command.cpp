@@ -1,4 +1,5 @@
 #include "gyrator/core/error.hpp"
+#include "gyrator/core/interrupt.hpp"
 #include "gyrator/core/text.hpp"
 #include "gyrator/documents/csv.hpp"
 #include "gyrator/studies/model_format.hpp"
@@ -86,6 +87,26 @@ std::string describe(const Model& model, const nlohmann::json& result, bool verb
   return text;
 }
 
+// The run up to its failure, in the files that were asked for; then the failure itself.
+[[noreturn]] void deliver_failed(const CommonOptions& options, const Model& model,
+                                 const SimulationRequest& request, const TimeRun& run) {
+  const Error& failure = *run.failure;
+  std::vector<std::string> files;
+  for (const auto& file : {options.csv, options.svg, options.png, options.output}) {
+    if (!file.empty()) files.push_back(file);
+  }
+  if (files.empty()) throw failure;
+  acknowledge_interrupt();
+  if (!options.csv.empty()) write_csv(options.csv, run.trace.names, run.trace.columns);
+  CommonOptions only_files = options;
+  only_files.json = false;
+  only_files.quiet = true;
+  deliver(only_files, make_simulation_result(model, run), "");
+  throw Error(failure.code(), failure.place(),
+              fmt::format("{}; the run up to t = {:g} s is in {}", failure.message(),
+                          run.trace.column("time_s").back(), join(files)));
+}
+
 void run(const Options& options) {
   check_outputs(options.common);
   SimulationRequest request;
@@ -97,11 +118,13 @@ void run(const Options& options) {
   if (!options.trace_step.empty())
     request.trace_step = parse_option_time("--trace-step", options.trace_step);
   request.quiet = options.common.quiet;
+  request.keep_failed = true;
   const Model model = load_model(options.common.model);
   const TimeRun simulated = run_simulation(model, request);
+  if (simulated.failure) deliver_failed(options.common, model, request, simulated);
   if (!options.common.csv.empty())
     write_csv(options.common.csv, simulated.trace.names, simulated.trace.columns);
-  const nlohmann::json result = make_simulation_result(model, request, simulated);
+  const nlohmann::json result = make_simulation_result(model, simulated);
   deliver(options.common, result, describe(model, result, options.common.verbose));
 }
 

@@ -137,7 +137,7 @@ void check_two_terminals(const SpiceCircuit& circuit) {
 }
 
 void add_subcircuit(Network& network, const SpiceCircuit& circuit, const std::string& prefix,
-                    const std::vector<NodeId>& terminals) {
+                    const std::vector<NodeId>& terminals, const SubcircuitUse& use) {
   if (terminals.size() != static_cast<std::size_t>(circuit.pin_count)) {
     refuse(prefix, fmt::format("the subcircuit {} has {} pins and is given {} terminals",
                                circuit.name, circuit.pin_count, terminals.size()));
@@ -151,15 +151,15 @@ void add_subcircuit(Network& network, const SpiceCircuit& circuit, const std::st
   std::vector<NodeId> nodes{ground};
   nodes.insert(nodes.end(), terminals.begin(), terminals.end());
   for (std::size_t i = nodes.size(); i < circuit.nodes.size(); ++i) {
-    nodes.push_back(used[i] ? network.add_node(prefix + "." + circuit.nodes[i], Domain::electrical)
+    nodes.push_back(used[i] ? network.add_node(prefix + "." + circuit.nodes[i], use.domain)
                             : ground);
   }
   std::vector<ElementId> elements;
   for (const SpiceElement& element : circuit.elements) {
-    elements.push_back(network.add(prefix + "." + element.name,
-                                   nodes[static_cast<std::size_t>(element.positive.index)],
-                                   nodes[static_cast<std::size_t>(element.negative.index)],
-                                   renumber(element.law, nodes, elements), element.role));
+    elements.push_back(network.add(
+        prefix + "." + element.name, nodes[static_cast<std::size_t>(element.positive.index)],
+        nodes[static_cast<std::size_t>(element.negative.index)],
+        renumber(element.law, nodes, elements), use.role.value_or(element.role)));
   }
 }
 

@@ -3,6 +3,7 @@
 #include "gyrator/circuits/network.hpp"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -52,9 +53,15 @@ SpiceCircuit parse_subcircuit(std::string_view text, const std::filesystem::path
 /// of them open, no short or ideal voltage source between them. Throws bad_input.
 void check_two_terminals(const SpiceCircuit& circuit);
 
+/// What a circuit stands for in a network.
+struct SubcircuitUse {
+  Domain domain = Domain::electrical;  ///< of the nodes inside
+  std::optional<Role> role;            ///< of all elements; none: each its own
+};
+
 /// Adds the circuit to a network, its pins at `terminals`, its ground at the network's. Nodes and
 /// elements become "<prefix>.<name>". Throws bad_input for another number of terminals than pins.
 void add_subcircuit(Network& network, const SpiceCircuit& circuit, const std::string& prefix,
-                    const std::vector<NodeId>& terminals);
+                    const std::vector<NodeId>& terminals, const SubcircuitUse& use = {});
 
 }  // namespace gyrator

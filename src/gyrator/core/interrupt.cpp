@@ -9,7 +9,7 @@
 namespace gyrator {
 namespace {
 
-// A signal handler can reach nothing but a static; only these three functions see it.
+// A signal handler can reach nothing but a static; only the functions of this file see it.
 // NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
 std::atomic<bool> interrupted{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "only lock-free atomics may be used here");
@@ -30,6 +30,10 @@ void install_interrupt_handler() {
 
 bool interrupt_requested() {
   return interrupted.load();
+}
+
+void acknowledge_interrupt() {
+  interrupted.store(false);
 }
 
 void throw_if_interrupted(std::string_view place) {

@@ -13,6 +13,10 @@ void install_interrupt_handler();
 /// True once the user has pressed Ctrl-C (after install_interrupt_handler).
 bool interrupt_requested();
 
+/// From here on a Ctrl-C counts as heard: what was done until then can be written. Another one
+/// still ends the process.
+void acknowledge_interrupt();
+
 /// Throws Error interrupted ("place: interrupted") once the user has pressed Ctrl-C.
 /// Call it at safe points: between designs of a map, samples of a run, rows of a file.
 void throw_if_interrupted(std::string_view place);

@@ -2,28 +2,29 @@
 
 #include "gyrator/controllers/controller.hpp"
 #include "gyrator/controllers/sampling.hpp"
+#include "gyrator/core/error.hpp"
 #include "gyrator/cosim/classification.hpp"
+#include "gyrator/cosim/command_path.hpp"
 #include "gyrator/cosim/engine.hpp"
+#include "gyrator/cosim/gesture.hpp"
+#include "gyrator/cosim/sensor.hpp"
+#include "gyrator/cosim/trace_recorder.hpp"
 #include "gyrator/mechanics/plant.hpp"
 
+#include <cstdint>
 #include <functional>
 #include <optional>
-#include <string>
-#include <vector>
 
 namespace gyrator {
-
-/// The sensor: the multiple of `quantum` nearest to the true position, halves up, plus `offset`.
-struct Sensor {
-  double quantum = 0;  ///< [m, rad]; 0 for none
-  double offset = 0;   ///< [m, rad]
-};
 
 struct SimulationOptions {
   Rational duration{1, 2};      ///< [s]; runs to the last sample instant at or before it
   double initial_position = 0;  ///< [m, rad]
   double initial_velocity = 0;  ///< [m/s, rad/s]
   double external_effort = 0;   ///< constant effort that the operator adds at the port [N, N.m]
+  std::optional<HandGesture> gesture;  ///< adds to it
+  Dac dac;
+  std::uint64_t seed = 1;  ///< of noise, jitter and random gestures
   EngineKind engine = EngineKind::exact;
   EngineOptions engine_options;
   std::optional<Rational>
@@ -31,6 +32,9 @@ struct SimulationOptions {
   bool record = true;     ///< keep the trace's columns; a run without them is not classified
   long record_every = 1;  ///< samples per row, for long runs
   ClassificationOptions classification;
+  /// A failure on the way comes back in TimeRun::failure, with the run up to there, instead of
+  /// being thrown.
+  bool keep_failed = false;
   std::function<void(long)>
       on_progress;  ///< called now and then with the samples done since the last call
 };
@@ -42,16 +46,6 @@ struct EnergyLedger {
          residual = 0;
 };
 
-/// Columns of equal length. Row k is sample instant k: the state before the command jumps, the
-/// command computed there, and in columns "..._after" what the jump of the held command changes at
-/// that instant. With a trace step, rows in between too, and two rows where the hold jumps.
-struct Trace {
-  std::vector<std::string> names;
-  std::vector<std::vector<double>> columns;
-
-  const std::vector<double>& column(const std::string& name) const;
-};
-
 struct TimeRun {
   Trace trace;
   EnergyLedger energy;
@@ -61,11 +55,17 @@ struct TimeRun {
   EngineKind engine = EngineKind::exact;
   ContactEvents events;        ///< of friction and stops
   bool stopped_early = false;  ///< grew beyond 1e9 times its largest size at the start
+  /// Why it ended before its time: numerical or interrupted. The ledger is that of the last sample
+  /// instant, `final_time_s`; nothing is classified.
+  std::optional<Error> failure;
 };
 
-/// The sampled loop: at each tick the sensor is read before the jump, the command computed, and
-/// applied after the delay; the plant between is the engine's. Deterministic.
-/// Throws bad_input for a duration below one period, numerical where an engine gives up.
+/// The sampled loop: at each tick the sensor is read before the jump, the command computed,
+/// converted, and applied after the delay; the plant between is the engine's. A gesture is held at
+/// its mean from tick to tick. Deterministic: noise, jitter and random gestures follow from the
+/// seed.
+/// Throws bad_input for a duration below one period; numerical where an engine gives up and where
+/// a command is not finite; interrupted on Ctrl-C.
 TimeRun simulate(const Plant& plant, const Sensor& sensor, const Controller& controller,
                  const Sampling& sampling, const SimulationOptions& options);
 

@@ -33,6 +33,10 @@ void add_operator(DeviceNetwork& d, const Operator& held_by) {
                   role);
       network.add(name + ".inertia", mass, ground, Capacitor{arm->resonators[i].inertia}, role);
     }
+  } else if (const auto* other = std::get_if<NetworkOperator>(&held_by)) {
+    check_passive_operator(*other);
+    add_subcircuit(network, other->circuit, "operator.network", {hand, ground},
+                   {Domain::mechanical, Role::operator_side});
   }
 }
 
@@ -50,6 +54,14 @@ void check_stops(const HardStops& stops) {
     refuse("/stiffness", fmt::format("{:g}: must be above 0", stops.stiffness));
   if (!(stops.damping >= 0) || !std::isfinite(stops.damping))
     refuse("/damping", fmt::format("{:g}: must be at least 0", stops.damping));
+}
+
+// A rigid link, as a resistor of 0 ohm becomes, is passive as well.
+bool is_passive(const ElementLaw& law) {
+  if (const auto* link = std::get_if<VoltageSource>(&law)) return !link->input;
+  return std::holds_alternative<Resistor>(law) || std::holds_alternative<Conductance>(law) ||
+         std::holds_alternative<Inductor>(law) || std::holds_alternative<Capacitor>(law) ||
+         std::holds_alternative<MutualInductance>(law);
 }
 
 }  // namespace
@@ -74,6 +86,18 @@ std::optional<DryFriction> find_dry_friction(const Mechanics& mechanics) {
   }
   if (friction.breakaway == 0) return std::nullopt;
   return friction;
+}
+
+void check_passive_operator(const NetworkOperator& held_by) {
+  for (const SpiceElement& element : held_by.circuit.elements) {
+    if (is_passive(element.law)) continue;
+    throw Error(ErrorCode::bad_input, element.place,
+                fmt::format("'{}' in an operator: a hand is made of resistors, inductors, "
+                            "capacitors and coupled inductors only, which are passive by "
+                            "themselves",
+                            element.name));
+  }
+  check_two_terminals(held_by.circuit);
 }
 
 DeviceNetwork build_device_network(const Device& device, const Operator& held_by, double gain) {

@@ -64,7 +64,19 @@ struct MassSpringDamper {
   std::vector<Resonator> resonators;
 };
 
-using Operator = std::variant<FreeOperator, ClampedOperator, MassSpringDamper>;
+/// Any passive hand as a network from a SPICE file, in the mobility analogy: its first pin is the
+/// port, its second ground; a capacitor is an inertia [kg, kg.m^2], an inductor a spring of 1/L, a
+/// resistor a damper of 1/R, coupled inductors springs of several motions. At the start all
+/// inertias move as the port does.
+struct NetworkOperator {
+  SpiceCircuit circuit;
+};
+
+/// Throws bad_input, with the netlist's file and line, for a circuit that is not passive by its
+/// elements alone, or has no two terminals.
+void check_passive_operator(const NetworkOperator& held_by);
+
+using Operator = std::variant<FreeOperator, ClampedOperator, MassSpringDamper, NetworkOperator>;
 
 /// The device's network with an operator at its port, ready to be analysed.
 ///

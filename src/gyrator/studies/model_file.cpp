@@ -9,6 +9,8 @@
 #include "gyrator/plots/pretty_text.hpp"
 #include "gyrator/studies/controller_format.hpp"
 #include "gyrator/studies/model_format.hpp"
+#include "gyrator/studies/operator_format.hpp"
+#include "gyrator/studies/sampling_format.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -143,12 +145,6 @@ Mechanics mechanics_of(const json& m) {
   return mechanics;
 }
 
-Operator operator_of(const json& o) {
-  if (o["kind"] == "clamped") return ClampedOperator{};
-  if (o["kind"] == "free") return FreeOperator{};
-  return MassSpringDamper{either(o, "inertia", "mass"), o["damping"], o["stiffness"], {}};
-}
-
 // An analog loop does the wall: the controller must be one, and no estimate of velocity is made.
 void check_held_impedance(const Model& model, const std::string& file) {
   const auto* wall = std::get_if<VirtualWall>(&model.controller.law);
@@ -176,7 +172,7 @@ void connect_wave(Model& model, WaveController& wave, const json& sensor) {
         "\"wave\" without a wave drive to read: add {\"kind\": \"wave\", \"impedance\": …} to "
         "\"damping\", with \"amplifier\": {\"kind\": \"voltage\"}");
   }
-  for (const char* key : {"quantum", "offset"}) {
+  for (const char* key : {"quantum", "offset", "noise"}) {
     if (sensor[key] == 0) continue;
     throw Error(ErrorCode::bad_input, std::string("sensor/") + key,
                 "a controller of kind \"wave\" reads no position: leave it out");
@@ -264,16 +260,19 @@ Model parse_model(const json& document, const std::string& file) {
   model.device.mechanics = mechanics_of(m["mechanics"]);
   model.device.sensor =
       m["sensor"]["location"] == "motor" ? SensorLocation::motor : SensorLocation::port;
-  model.sensor = {m["sensor"]["quantum"], m["sensor"]["offset"]};
-  model.sampling = {time_of(m["sampling"]["period"]), time_of(m["sampling"]["delay"])};
+  model.sensor = parse_sensor(m["sensor"]);
+  model.sampling = parse_sampling(m["sampling"], file);
+  model.dac = parse_dac(m["dac"]);
   model.controller =
       parse_controller(m["controller"], {model.sampling.period, model.sensor.quantum});
-  model.held_by = operator_of(m["operator"]);
+  model.held_by = parse_operator(m["operator"], file);
   const json& s = m["simulation"];
   model.duration = time_of(s["duration"]);
   model.initial_velocity = s["initial_velocity"];
   model.initial_position = s["initial_position"];
   model.external_effort = s["external_effort"];
+  model.gesture = parse_gesture(s["gesture"], model.held_by, file);
+  model.seed = s["seed"];
   model.source = document;
   check_together(model, document, m, file);
   return model;

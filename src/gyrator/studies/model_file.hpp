@@ -4,6 +4,8 @@
 #include "gyrator/mechanics/device.hpp"
 #include "gyrator/passivity/verdict.hpp"
 
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -18,11 +20,14 @@ struct Model {
   Sensor sensor;
   Controller controller;
   Sampling sampling;
+  Dac dac;
   Operator held_by = FreeOperator{};
   Rational duration{1, 2};
   double initial_position = 0;
   double initial_velocity = 0;
   double external_effort = 0;
+  std::optional<HandGesture> gesture;
+  std::uint64_t seed = 1;
   nlohmann::json source;  ///< the file as the user wrote it, for results and reports
 
   /// The law that is left to the sampled loop: none where an analog loop does the wall.

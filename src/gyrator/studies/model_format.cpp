@@ -3,6 +3,8 @@
 #include "gyrator/circuits/drive.hpp"
 #include "gyrator/studies/controller_format.hpp"
 #include "gyrator/studies/motion_terms.hpp"
+#include "gyrator/studies/operator_format.hpp"
+#include "gyrator/studies/sampling_format.hpp"
 
 #include <utility>
 
@@ -300,55 +302,6 @@ std::vector<ObjectSpec> damping_specs(const MotionTerms& terms) {
   return specs;
 }
 
-std::vector<ObjectSpec> operator_specs(const MotionTerms& terms) {
-  return {
-      {"free", "Nothing holds the port.", {}},
-      {"clamped", "The port does not move.", {}},
-      {"mass_spring_damper",
-       "A hand as inertia, damper and spring to ground; the spring is at rest at position zero.",
-       {
-           member::quantity(terms.inertia_name, terms.inertia)
-               .by_default(0)
-               .at_least(0)
-               .doc("Of the hand."),
-           member::quantity("damping", terms.damping).by_default(0).at_least(0).doc("To ground."),
-           member::quantity("stiffness", terms.stiffness)
-               .by_default(0)
-               .at_least(0)
-               .doc("To ground."),
-       }}};
-}
-
-ObjectSpec sensor_spec(const MotionTerms& terms) {
-  return {
-      "sensor",
-      "The position sensor.",
-      {
-          member::quantity("quantum", terms.quantum)
-              .by_default(0)
-              .at_least(0)
-              .doc("Step of the encoder; 0 for none. The nearest multiple is sensed, halves up."),
-          member::quantity("offset", terms.position)
-              .by_default(0)
-              .doc("Added to the sensed position."),
-          member::choice("location", {"port", "motor"})
-              .by_default("port")
-              .doc("Differs only behind a compliant transmission."),
-      }};
-}
-
-ObjectSpec sampling_spec() {
-  return {"sampling",
-          "The controller's clock.",
-          {
-              member::time("period").required().above(0).doc(
-                  "Between samples; exact, \"1/60 s\" is possible."),
-              member::time("delay").by_default(0).at_least(0).doc(
-                  "From sampling to the command taking effect; any length, fractions of the period "
-                  "included."),
-          }};
-}
-
 ObjectSpec simulation_spec(const MotionTerms& terms) {
   return {"simulation",
           "What `simulate` runs.",
@@ -363,6 +316,10 @@ ObjectSpec simulation_spec(const MotionTerms& terms) {
               member::quantity("external_effort", terms.effort)
                   .by_default(0)
                   .doc("Constant effort on the port, beside the operator."),
+              member::variant("gesture", gesture_specs(terms))
+                  .doc("What the hand wants over time; adds to external_effort."),
+              member::integer("seed").by_default(1).at_least(0).doc(
+                  "Of noise, jitter and random gestures: the same seed gives the same run."),
           }};
 }
 
@@ -390,10 +347,13 @@ ObjectSpec model_spec(const MotionTerms& terms) {
               .by_default(json::object())
               .doc("The position sensor."),
           member::object("sampling", sampling_spec()).required().doc("The controller's clock."),
+          member::object("dac", dac_spec(terms))
+              .by_default(json::object())
+              .doc("The converter between controller and amplifier."),
           member::variant("controller", make_controller_specs(terms))
               .by_default({{"kind", "none"}})
               .doc("What computes the command."),
-          member::variant("operator", operator_specs(terms))
+          member::variant("operator", operator_specs(terms, terms.inertia_name))
               .by_default({{"kind", "free"}})
               .doc("Who holds the port in `simulate` and `zwidth --criterion coupled`."),
           member::object("simulation", simulation_spec(terms))

@@ -211,10 +211,17 @@ double peak(const json& trace, const char* key) {
   return largest;
 }
 
+// How the run ended, or why it did not.
+std::string outcome_of(const json& result) {
+  if (!has(result, "failure")) return optional_text(result, "classification");
+  const json& failure = result["failure"];
+  return "failed: " + optional_text(failure, "place") + ": " + optional_text(failure, "message");
+}
+
 ReportSection simulate_section(const json& result) {
   const auto& trace = required(result, "trace", "simulate result");
   const Rows rows = {
-      {{"The run"}, {optional_text(result, "classification")}},
+      {{"The run"}, {outcome_of(result)}},
       {{"Simulated time"}, number(optional_number(result, "final_time_s"), "s")},
       {{"Samples"}, number(optional_number(result, "steps"))},
       {{"Largest position"}, number(peak(trace, "position"), unit_of(result, "position"))},
@@ -226,7 +233,7 @@ ReportSection simulate_section(const json& result) {
 }
 
 std::string simulate_sentence(const json& result) {
-  const auto outcome = optional_text(result, "classification");
+  const auto outcome = outcome_of(result);
   if (outcome.empty()) return {};
   const auto run = "With the model's own operator, the simulated run of " +
                    pretty_quantity(optional_number(result, "final_time_s"), "s");

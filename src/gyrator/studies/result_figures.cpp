@@ -150,6 +150,10 @@ Figure simulate_figure(const json& result) {
                     CurveStyle::line, Colour::grey},
                    {"command", time, required_numbers(trace, "command", place), CurveStyle::steps,
                     Colour::orange}};
+  if (has(trace, "external_effort"))
+    effort.curves.push_back({"from the hand's gesture", time,
+                             required_numbers(trace, "external_effort", place), CurveStyle::steps,
+                             Colour::blue});
   Figure figure{figure_title(result, "Simulated run"), {position, velocity, effort}};
   for (auto& panel : figure.panels) panel.lines = {{0, false}};
   // One under the other, the axes of time are the same: only the last is named.

@@ -2,6 +2,7 @@
 
 #include "gyrator/passivity/stiffness_limit.hpp"
 #include "gyrator/studies/model_file.hpp"
+#include "gyrator/studies/simulation_result.hpp"
 #include "gyrator/studies/spice_check.hpp"
 
 #include <optional>
@@ -36,19 +37,6 @@ nlohmann::json make_zwidth_result(const Model& model, const ZwidthRequest& reque
 
 /// Virtual dampings that show the whole boundary: from -b to where the exact disk's limit ends.
 std::vector<double> choose_damping_range(const Model& model, int points);
-
-struct SimulationRequest {
-  std::optional<EngineKind> engine;  ///< none: the one that choose_engine() takes
-  EngineOptions engine_options;
-  std::optional<Rational> duration, trace_step;
-  bool quiet = true;  ///< no progress bar
-};
-/// The run itself (for CSV). Throws numerical, naming the element, where the numbers of the run
-/// cannot be trusted: overflow, or an energy ledger that does not close.
-TimeRun run_simulation(const Model& model, const SimulationRequest& request);
-/// The run as a result; long traces are thinned for it.
-nlohmann::json make_simulation_result(const Model& model, const SimulationRequest& request,
-                                      const TimeRun& run);
 
 /// The netlist, with ngspice's deviations where it has been checked.
 nlohmann::json make_spice_result(const Model& model, const SpiceDeck& deck,

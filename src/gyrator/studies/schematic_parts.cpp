@@ -56,6 +56,14 @@ struct Terms {
 
 constexpr double widest_file = 160;  // pixels; a longer name is cut
 
+// A box with the file's and the subcircuit's name.
+Part make_subcircuit(const char* what, const SpiceCircuit& circuit) {
+  const std::string place = circuit.place.substr(0, circuit.place.rfind(':'));
+  const std::string file = std::filesystem::path(place).filename().string();
+  return {
+      Symbol::box, what, "", {fit_text(file, widest_file), fit_text(circuit.name, widest_file)}};
+}
+
 struct DampingParts {
   Diagram& diagram;
   const Terms& terms;
@@ -80,13 +88,7 @@ struct DampingParts {
   }
 
   void operator()(const NetlistDamping& d) const {
-    const std::string place = d.circuit.place.substr(0, d.circuit.place.rfind(':'));
-    const std::string file = std::filesystem::path(place).filename().string();
-    diagram.across.push_back(
-        {{Symbol::box,
-          "SPICE subcircuit across the motor",
-          "",
-          {fit_text(file, widest_file), fit_text(d.circuit.name, widest_file)}}});
+    diagram.across.push_back({make_subcircuit("SPICE subcircuit across the motor", d.circuit)});
   }
 
   void operator()(const ClampDamping& d) const {
@@ -264,6 +266,11 @@ struct OperatorParts {
   Diagram& diagram;
   const Terms& terms;
 
+  void operator()(const NetworkOperator& hand) const {
+    diagram.operator_kind = "network";
+    diagram.held_by.push_back({make_subcircuit("operator's network", hand.circuit)});
+  }
+
   void operator()(const FreeOperator&) const { diagram.operator_kind = "free"; }
 
   void operator()(const ClampedOperator&) const {
@@ -388,6 +395,9 @@ Diagram describe_device(const Model& model) {
                                 "external " + terms.effort_word(),
                                 terms.effort_letter() + "_e",
                                 {terms.effort(model.external_effort)}}});
+  if (model.gesture)
+    diagram.held_by.push_back(
+        {{Symbol::current_source, "gesture", terms.effort_letter() + "_g", {"of the hand"}}});
   nest(diagram.feedback);
   return diagram;
 }

@@ -3,6 +3,7 @@
 #include "gyrator/circuits/operating_point.hpp"
 #include "gyrator/circuits/reduction.hpp"
 #include "gyrator/circuits/spice_writer.hpp"
+#include "gyrator/core/error.hpp"
 #include "gyrator/core/text.hpp"
 #include "gyrator/cosim/sampled_plant.hpp"
 #include "gyrator/studies/model_format.hpp"
@@ -55,11 +56,13 @@ std::vector<double> find_initial_values(const DeviceNetwork& device, const Plant
   return initial;
 }
 
-// The held command as ngspice's points. Every sample instant has a point too, since ngspice steps
+// A held input as ngspice's points. Every sample instant has a point too, since ngspice steps
 // exactly onto points: there the motion can be compared without interpolation.
-std::string write_held_command(const TimeRun& run, const Sampling& sampling) {
+// In row k stands what holds before the instant, or with `ahead` 1 what holds from it on.
+std::string write_held(const TimeRun& run, const char* column, const Sampling& sampling,
+                       std::size_t ahead) {
   const auto& time = run.trace.column("time_s");
-  const auto& held = run.trace.column("held_command");
+  const auto& held = run.trace.column(column);
   const SplitDelay delay = split_delay(sampling);
   const double edge = std::min(spice_edge_periods * delay.period, (delay.period - delay.rest) / 2);
   std::string text = "PWL(";
@@ -70,11 +73,12 @@ std::string write_held_command(const TimeRun& run, const Sampling& sampling) {
   };
   for (std::size_t k = 0; k + 1 < time.size(); ++k) {
     const Rational tick = sampling.period * Rational(static_cast<std::int64_t>(k));
-    add(time[k], held[k]);
+    const double before = held[k > 0 ? k - ahead : 0];
+    add(time[k], before);
     const double begin =
         (tick + sampling.delay - Rational(delay.whole) * sampling.period).to_double();
-    if (delay.rest > 0) add(begin, held[k]);
-    add(begin + edge, held[k + 1]);
+    if (delay.rest > 0) add(begin, before);
+    add(begin + edge, held[k + 1 - ahead]);
   }
   add(time.back(), held.back());
   return text + ")";
@@ -135,6 +139,10 @@ bool remove_contacts(Mechanics& mechanics) {
 }  // namespace
 
 SpiceDeck make_spice_deck(const Model& given, const SpiceRequest& request) {
+  if (given.sampling.jitter > Rational(0)) {
+    throw Error(ErrorCode::bad_input, given.file + ": /sampling/jitter",
+                "in a netlist the command is written at even samples: set it to 0");
+  }
   // The deck's command is that of a run without what the deck cannot hold.
   Model model = given;
   const bool leaves_out = remove_contacts(model.device.mechanics);
@@ -154,9 +162,10 @@ SpiceDeck make_spice_deck(const Model& given, const SpiceRequest& request) {
   SpiceOptions options;
   options.inputs.resize(2);
   options.inputs[static_cast<std::size_t>(device.command)] =
-      write_held_command(deck.run, model.sampling);
+      write_held(deck.run, "held_command", model.sampling, 0);
   options.inputs[static_cast<std::size_t>(device.external_effort)] =
-      "DC " + format_number(model.external_effort);
+      model.gesture ? write_held(deck.run, "external_effort", {model.sampling.period, 0}, 1)
+                    : "DC " + format_number(model.external_effort);
   options.initial = find_initial_values(device, plant, model);
   const MotionUnits& units = units_of(model.device.motion);
   options.mechanical = {std::string(units.inertia.symbol), std::string(units.damping.symbol),

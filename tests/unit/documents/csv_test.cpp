@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <limits>
 #include <string>
 #include <vector>
@@ -60,6 +61,50 @@ TEST(Csv, RefusesColumnsOfDifferentLengthsAndLeavesNoFile) {
   EXPECT_THROW(write_csv(folder / "bad.csv", {"a", "b"}, {{1, 2}, {3}}), Error);
   EXPECT_THROW(write_csv(folder / "bad.csv", {"a"}, {{1}, {2}}), Error);
   EXPECT_EQ(folder.count(), 0U);
+}
+
+TEST(Csv, ReadsBackWhatItWrote) {
+  const ScratchFolder folder;
+  const std::vector<std::vector<double>> data{{0, 1.0 / 3.0, 1e-300}, {2, -3, 4e7}};
+  write_csv(folder / "trace.csv", {"time_s", "a \"b\", c"}, data);
+  const CsvColumns read = read_csv(folder / "trace.csv", {"a \"b\", c", "time_s"});
+  EXPECT_EQ(read.columns, (std::vector<std::vector<double>>{data[1], data[0]}));
+  EXPECT_EQ(read.lines, (std::vector<long>{2, 3, 4}));
+}
+
+TEST(Csv, ReadsWhatOtherProgramsWrite) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "r.csv")
+      << "\xEF\xBB\xBFtime_s, note,force\r\n0,x,+1.5\r\n\r\n 0.1 ,\"a,b\",-2e-1\r\n";
+  const CsvColumns read = read_csv(folder / "r.csv", {"time_s", "force"});
+  EXPECT_EQ(read.columns, (std::vector<std::vector<double>>{{0, 0.1}, {1.5, -0.2}}));
+  EXPECT_EQ(read.lines, (std::vector<long>{2, 4}));
+}
+
+TEST(Csv, NamesFileLineAndColumnOfWhatItCannotRead) {
+  const ScratchFolder folder;
+  const std::string path = folder / "r.csv";
+  const auto refusal = [&](const std::string& text) -> std::string {
+    std::ofstream(path) << text;
+    try {
+      read_csv(path, {"time_s", "force"});
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::bad_input);
+      EXPECT_TRUE(std::string(error.what()).starts_with(path)) << error.what();
+      return std::string(error.what()).substr(path.size());
+    }
+    return "accepted";
+  };
+  for (const char* gap :
+       {"0,1\n1,\n", "0,1\n1\n", "0,1\n1,nan\n", "0,1\n1,inf\n", "0,1\n1,-\n", "0,1\n1,2x\n"}) {
+    const std::string message = refusal(std::string("time_s,force\n") + gap);
+    EXPECT_TRUE(message.starts_with(":3: column \"force\": ")) << gap << message;
+  }
+  EXPECT_NE(refusal("time_s,forse\n0,1\n").find("did you mean 'forse'?"), std::string::npos);
+  EXPECT_NE(refusal("").find("is empty"), std::string::npos);
+  EXPECT_NE(refusal("time_s,force\n").find("no row"), std::string::npos);
+  EXPECT_TRUE(refusal("time_s,force\n0,\"1\n").starts_with(":2: a quote"));
+  EXPECT_THROW(read_csv(folder / "none.csv", {"a"}), Error);
 }
 
 }  // namespace
