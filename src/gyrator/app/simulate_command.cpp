@@ -89,7 +89,7 @@ std::string describe(const Model& model, const nlohmann::json& result, bool verb
 
 // The run up to its failure, in the files that were asked for; then the failure itself.
 [[noreturn]] void deliver_failed(const CommonOptions& options, const Model& model,
-                                 const SimulationRequest& request, const TimeRun& run) {
+                                 const TimeRun& run) {
   const Error& failure = *run.failure;
   std::vector<std::string> files;
   for (const auto& file : {options.csv, options.svg, options.png, options.output}) {
@@ -121,7 +121,7 @@ void run(const Options& options) {
   request.keep_failed = true;
   const Model model = load_model(options.common.model);
   const TimeRun simulated = run_simulation(model, request);
-  if (simulated.failure) deliver_failed(options.common, model, request, simulated);
+  if (simulated.failure) deliver_failed(options.common, model, simulated);
   if (!options.common.csv.empty())
     write_csv(options.common.csv, simulated.trace.names, simulated.trace.columns);
   const nlohmann::json result = make_simulation_result(model, simulated);

@@ -277,6 +277,20 @@ ReportSection impedance_section(const json& result) {
       "the device gives out energy of its own."};
 }
 
+ReportSection stability_map_section(const json& result) {
+  const std::string place = "stability-map result";
+  Rows rows;
+  const auto add = [&](const char* text, const char* key) {
+    rows.push_back({{text}, number(required_number(result, key, place))});
+  };
+  add("Points that the analysis calls passive and that do not come to rest",
+      "passive_points_that_do_not_rest");
+  add("Other points that come to rest", "other_points_that_rest");
+  return {"Stability over damping and dry friction", html_table({"", "Points"}, rows),
+          "What a quantized, sampled spring wall does after a small and a large kick, against the "
+          "borders that the energy of a sample period gives."};
+}
+
 // ---- The one list -----------------------------------------------------------------------------
 
 std::string no_sentence(const json&) {
@@ -288,11 +302,12 @@ struct SectionMaker {
   ReportSection (*section)(const json&);
   std::string (*sentence)(const json&);
 };
-constexpr std::array<SectionMaker, 5> makers = {
+constexpr std::array<SectionMaker, 6> makers = {
     {{"compare", compare_section, no_sentence},
      {"impedance", impedance_section, no_sentence},
      {"passivity", passivity_section, passivity_sentence},
      {"simulate", simulate_section, simulate_sentence},
+     {"stability-map", stability_map_section, no_sentence},
      {"zwidth", zwidth_section, no_sentence}}};
 
 const SectionMaker& maker_for(const json& result) {

@@ -31,6 +31,9 @@ Figure simulate_figure(const nlohmann::json& result);
 /// Largest passive stiffness over virtual damping, one curve for each design.
 Figure comparison_figure(const nlohmann::json& result);
 
+/// Simulated regions over the plane of damping and dry friction, with the analytic borders.
+Figure stability_map_figure(const nlohmann::json& result);
+
 /// What the textbook criterion misses: the boundaries in the K–B plane with the model's own
 /// point, and the run of the operator that makes the loop diverge in between. `zwidth` may be
 /// null, and the passivity result without counterexample; at least one must be there.
