@@ -25,6 +25,7 @@ constexpr int most_changes = 200;            // of mode at what is one instant,
 constexpr double one_instant = 1e-9;         // this part of a segment
 constexpr std::size_t most_own_ladders = 4;  // segment lengths with steps of their own
 constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
+constexpr double most_rounding = 1e6;  // of two modes' coefficients against each other's
 // How far guards may be looked at from a step's ends only: the fastest oscillation turns this far,
 // the fastest pole decays this far from where something switched or jumped.
 constexpr double farthest_turn = 1.5, farthest_decay = 4;
@@ -119,6 +120,7 @@ class HybridEngine final : public Engine {
     scratch_modes_ = state.modes;
     if (scratch_modes_.empty()) scratch_modes_ = modes_.start(scratch_);
     load(scratch_, u);
+    changed_ = false;
     Mode* mode = &find_mode(scratch_modes_);
     mode = settle_ports(*mode, scratch_, u, scratch_modes_);
     for (int changes = 0; changes < most_changes; ++changes) {
@@ -264,9 +266,19 @@ class HybridEngine final : public Engine {
       for (Index j = 0; j < size_; ++j)
         size += (sized ? mode.sizes(i, j) : rounding * std::abs(mode.rows(i, j))) * std::abs(z_(j));
       mode.tolerance(i) = size;
+      if (comes_from(mode, i)) mode.tolerance(i) = size = std::max(size, -2 * mode.before.value(i));
       if (found < 0 && mode.before.value(i) + size < 0) found = static_cast<int>(i);
     }
     return found;
+  }
+
+  // Where a mode has just begun, the guard of the one before lies at zero but for the rounding of
+  // two sets of coefficients. As long as it rises, the motion agrees with the change.
+  bool comes_from(const Mode& mode, Index guard) const {
+    const ModeGuard& of = mode.guards[static_cast<std::size_t>(guard)];
+    return changed_ && of.part == changed_part_ && of.next == changed_from_ &&
+           mode.before.rate(guard) > 0 &&
+           -mode.before.value(guard) < most_rounding * mode.tolerance(guard);
   }
 
   // Ports whose bends the present mode oversteps, after a jump of u, are solved all at once.
@@ -291,6 +303,9 @@ class HybridEngine final : public Engine {
 
   Mode& change(const Mode& mode, int guard, Modes& modes, VectorXd& xi) {
     const ModeGuard& crossed = mode.guards[static_cast<std::size_t>(guard)];
+    changed_ = true;
+    changed_part_ = crossed.part;
+    changed_from_ = modes[crossed.part];
     modes[crossed.part] = crossed.next;
     if (modes_.comes_to_rest(crossed)) modes_.hold_shaft(xi);
     return find_mode(modes);
@@ -301,6 +316,7 @@ class HybridEngine final : public Engine {
     if (state.modes.empty()) state.modes = modes_.start(state.xi);
     load(state.xi, u);
     work_ = {};
+    changed_ = false;
     Mode* mode = &find_mode(state.modes);
     mode = settle_ports(*mode, state.xi, u, state.modes);
     double left = interval;
@@ -411,6 +427,9 @@ class HybridEngine final : public Engine {
   Modes scratch_modes_;
   VectorXd u_;
   StepLadder::Work work_{};
+  bool changed_ = false;  // and the last change of mode
+  std::size_t changed_part_ = 0;
+  signed char changed_from_ = 0;
   std::vector<double> intervals_;
   std::vector<std::unique_ptr<Mode>> known_;
   std::unique_ptr<PlantDynamics> ports_;
