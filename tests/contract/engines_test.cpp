@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/contact_devices.hpp"
 #include "support/device_list.hpp"
 
 // One contract for every engine: whatever moves the plant, the run is the same.
@@ -111,6 +112,22 @@ TEST_P(EngineAgreement, every_device_moves_and_spends_its_energy_as_under_the_ex
       ASSERT_GT(find_largest(exact.trace.column("velocity")), 0) << where;
       expect_same_motion(other, exact, where);
       expect_same_energies(other.energy, exact.energy, where);
+    }
+  }
+}
+
+// Odeint has no part in this: it refuses contacts.
+TEST(ContactAgreement, every_device_with_contacts_moves_under_cvode_as_under_the_exact_engine) {
+  for (const auto& [name, device] : testing::make_contact_devices()) {
+    const Plant plant = build_moving_plant(build_device_network(device, FreeOperator{}));
+    for (const Scenario& scenario : make_scenarios(device)) {
+      const TimeRun exact = run(plant, scenario, EngineKind::exact);
+      const TimeRun other = run(plant, scenario, EngineKind::cvode);
+      const std::string where = name + "; " + scenario.name;
+      expect_same_motion(other, exact, where);
+      expect_same_energies(other.energy, exact.energy, where);
+      EXPECT_EQ(other.events.slips, exact.events.slips) << where;
+      EXPECT_EQ(other.events.impacts, exact.events.impacts) << where;
     }
   }
 }

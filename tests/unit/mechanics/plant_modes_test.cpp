@@ -90,7 +90,9 @@ TEST(PlantModes, power_in_equals_stored_and_lost_in_every_mode) {
     const double out = 2 * z.dot(e.stored * dz) + z.dot(e.dissipated * z);
     EXPECT_NEAR(in, out, rounding) << int(mode[0]) << ' ' << int(mode[1]);
     const bool leaves = std::abs(mode[1]) == 2 && v * mode[1] < 0;
-    if (std::abs(mode[1]) != 2 || leaves) EXPECT_GT(z.dot(e.dissipated * z), 0);
+    if (std::abs(mode[1]) != 2 || leaves) {
+      EXPECT_GT(z.dot(e.dissipated * z), 0);
+    }
   }
 }
 
