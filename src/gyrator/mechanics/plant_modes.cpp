@@ -39,6 +39,8 @@ PlantModes::PlantModes(const Plant& plant, bool with_ports)
     port_position_ = plant.port_position.state;
     port_velocity_ = plant.port_velocity.state;
     push_ = nl_.B.col(NonlinearPart::friction_input);
+    if ((shaft_velocity_.array() != 0).count() == 1)
+      shaft_velocity_.cwiseAbs().maxCoeff(&shaft_state_);
     const double mobility = shaft_velocity_.dot(push_);
     const double terms = shaft_velocity_.cwiseAbs().dot(push_.cwiseAbs());
     if (!(mobility > 1e-12 * terms)) friction_.reset();
@@ -225,6 +227,7 @@ void PlantModes::hold_shaft(Eigen::Ref<MatrixXd> states) const {
   for (Index j = 0; j < states.cols(); ++j) {
     const double off = shaft_velocity_.dot(states.col(j)) / mobility;
     states.col(j) -= off * push_;
+    if (shaft_state_ >= 0) states(shaft_state_, j) = 0;
   }
 }
 

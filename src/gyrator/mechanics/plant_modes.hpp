@@ -71,7 +71,8 @@ class PlantModes {
   std::optional<DryFriction> friction_;
   std::optional<HardStops> stops_;
   Eigen::RowVectorXd shaft_velocity_, port_position_, port_velocity_;  ///< of ξ
-  Eigen::VectorXd push_;  ///< dξ/dt per effort of friction
+  Eigen::Index shaft_state_ = -1;  ///< where one state is the shaft's velocity
+  Eigen::VectorXd push_;           ///< dξ/dt per effort of friction
   std::vector<std::string> names_;
 };
 
