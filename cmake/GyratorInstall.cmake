@@ -12,7 +12,7 @@ install(DIRECTORY src/gyrator DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.hpp" PATTERN "app" EXCLUDE)
 install(FILES ${PROJECT_BINARY_DIR}/generated/gyrator/version.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gyrator)
 install(FILES schemas/model.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/gyrator)
-install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/gyrator FILES_MATCHING PATTERN "*.json")
+install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/gyrator FILES_MATCHING PATTERN "*.json" PATTERN "*.csv")
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/gyrator)
 install(EXPORT gyratorTargets NAMESPACE gyrator:: DESTINATION ${package_dir})

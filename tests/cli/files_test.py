@@ -1,5 +1,7 @@
 """Files that a command writes: whole or not at all, also when the user presses Ctrl-C."""
+import json
 import os
+import re
 import stat
 import unittest
 
@@ -73,11 +75,27 @@ class OutputTest(ProgramTest):
         answer = self.run_program("impedance", RC_DISPLAY, "--points", "5", "--csv", "out", "-o", "out")
         self.assert_refused(answer, "out")
 
-    def test_a_failed_run_keeps_the_file_of_the_last_one(self):
+    def test_a_run_that_fails_leaves_what_it_had_and_says_where(self):
         (self.folder / "trace.csv").write_text("the last run\n")
         answer = self.run_program("simulate", RC_DISPLAY, "--engine", "cvode", "--max-steps", "1", "--csv",
-                                  "trace.csv")
-        self.assertEqual(answer.code, 3, answer)
+                                  "trace.csv", "-o", "result.json", "--svg", "run.svg")
+        self.assert_refused(answer, "engine gave up", "the run up to t = 0 s is in trace.csv, run.svg, "
+                            "result.json", code=3)
+        header, row = (self.folder / "trace.csv").read_text().splitlines()
+        self.assertTrue(header.startswith("time_s,position,velocity,effort,command,"))
+        self.assertEqual(row.count(","), header.count(","))
+        self.assertEqual(float(row.split(",")[0]), 0)
+        result = json.loads((self.folder / "result.json").read_text())
+        self.assertEqual(result["failure"]["exit_code"], 3)
+        self.assertIn("engine gave up", result["failure"]["message"])
+        self.assertIsNone(result["classification"])
+        self.assertEqual(self.run_program("report", "result.json", "-o", "report.html").code, 0)
+        self.assertIn("engine gave up", (self.folder / "report.html").read_text())
+
+    def test_a_run_that_cannot_begin_keeps_the_file_of_the_last_one(self):
+        (self.folder / "trace.csv").write_text("the last run\n")
+        answer = self.run_program("simulate", RC_DISPLAY, "--duration", "1 us", "--csv", "trace.csv")
+        self.assertEqual(answer.code, 2, answer)
         self.assertEqual((self.folder / "trace.csv").read_text(), "the last run\n")
         self.assertEqual(self.files(), ["trace.csv"])
 
@@ -130,7 +148,32 @@ class InterruptTest(ProgramTest):
     def test_a_simulation_stops_and_says_how_far_it_came(self):
         for title, arguments in ENDLESS.items():
             with self.subTest(title):
-                self.assertRegex(self.press(arguments).err, r"t = [0-9.e+-]+ s: interrupted")
+                answer = self.interrupt(*arguments, after_s=0.4)
+                self.assertEqual((answer.code, answer.out), (130, ""), answer)
+                self.assertRegex(answer.err, r"t = [0-9.e+-]+ s: interrupted")
+
+    def test_an_interrupted_simulation_keeps_its_trace_up_to_there(self):
+        for title, arguments in ENDLESS.items():
+            (self.folder / "trace.csv").write_text("the last run\n")
+            # Writing what has been simulated takes its time, on a busy machine and with sanitizers.
+            answer = self.interrupt(*arguments, "--csv", "trace.csv", "-o", "run.json", after_s=0.2, within_s=60)
+            with self.subTest(title):
+                self.assertEqual((answer.code, answer.out), (130, ""), answer)
+                told = re.search(r"t = [0-9.e+-]+ s: interrupted; the run up to t = ([0-9.e+-]+) s is in "
+                                 r"trace.csv, run.json\n", answer.err)
+                self.assertTrue(told, answer)
+                header, *rows = (self.folder / "trace.csv").read_text().splitlines()
+                columns = header.split(",")
+                self.assertTrue(rows and all(len(row.split(",")) == len(columns) for row in rows))
+                times = [float(row.split(",", 1)[0]) for row in rows]
+                self.assertEqual(times, sorted(times))
+                self.assertEqual(f"{times[-1]:g}", told.group(1))
+                result = json.loads((self.folder / "run.json").read_text())
+                self.assertEqual(result["failure"]["exit_code"], 130)
+                energy = result["energy"]
+                moved = abs(energy["operator"]) + abs(energy["source"]) + energy["dissipated"]
+                self.assertLess(abs(energy["residual"]), 1e-6 * (moved + energy["stored_initially"]))
+                self.assertEqual(self.files(), ["run.json", "trace.csv"])
 
     def test_a_large_zwidth_stops(self):
         self.press(["zwidth", RC_DISPLAY, "--points", "300000"])

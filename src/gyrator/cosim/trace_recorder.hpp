@@ -29,7 +29,8 @@ class TraceRecorder {
  public:
   struct Options {
     bool ledger = true;
-    bool external_effort = false;  ///< a column of its own
+    bool external_effort = false;              ///< a column of its own
+    std::vector<std::string> of_controller{};  ///< what the controller tells beside its command
   };
   /// All but the options must outlive the recorder.
   TraceRecorder(const Plant& plant, Engine& engine, Trace& trace, Options options);
@@ -37,8 +38,9 @@ class TraceRecorder {
   void reserve(std::size_t rows);
   /// Bytes of a row.
   double row_size() const;
-  /// A row with the held inputs u = [command; external effort].
-  void record(const TraceRow& row, const Eigen::Vector2d& u, const PlantState& state);
+  /// A row with the held inputs u = [command; external effort]; `of_controller` as announced.
+  void record(const TraceRow& row, const std::vector<double>& of_controller,
+              const Eigen::Vector2d& u, const PlantState& state);
   /// Energy stored under the held inputs [J].
   double stored(const Eigen::Vector2d& u, const PlantState& state);
 
