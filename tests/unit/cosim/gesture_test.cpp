@@ -110,6 +110,16 @@ TEST(Gesture, a_hit_gives_a_free_mass_its_impulse_as_momentum) {
   }
 }
 
+TEST(Gesture, a_hit_keeps_its_impulse_under_a_jittering_clock) {
+  SimulationOptions options;
+  options.duration = Rational(1, 10);
+  options.gesture = HandGesture{HitGesture{.effort = 5, .width = 4.7e-3, .times = {3.1e-3}}};
+  const TimeRun run = simulate(make_mass(0.3), {}, NoController{},
+                               {Rational(1, 1000), 0, Rational(4, 10000)}, options);
+  const double impulse = 2 * 5 * 4.7e-3 / pi;
+  EXPECT_NEAR(run.trace.column("velocity").back() * 0.3, impulse, 1e-12 * impulse);
+}
+
 TEST(Gesture, the_position_of_a_free_mass_converges_with_the_square_of_the_period) {
   // Off by T^2/12m times the change of the force (gesture.hpp): of a ramp that ends at F.
   const double m = 0.5;

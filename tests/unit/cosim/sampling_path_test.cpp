@@ -229,18 +229,20 @@ TEST(Simulation, a_run_that_fails_on_the_way_keeps_its_rows_and_a_closed_ledger)
   EXPECT_NEAR(run.energy.residual, 0, 1e-14 * run.energy.stored_initially);
 }
 
-TEST(Simulation, a_run_that_an_engine_gives_up_keeps_the_last_sample_before) {
+TEST(Simulation, a_run_that_an_engine_gives_up_ends_at_the_last_sample_before) {
+  // The microsecond up to the edge of the hold is passed, the rest of the period is not.
   SimulationOptions options = run_for(Rational(1, 10), 0, 1);
   options.engine = EngineKind::cvode;
-  options.engine_options.max_steps = 2;
+  options.engine_options.max_steps = 25;
   options.keep_failed = true;
   const TimeRun run = simulate(build(make_rc_display()), {}, VirtualWall{.stiffness = 0.05},
-                               {Rational(1, 1000), 0}, options);
+                               {Rational(1, 1000), Rational(1, 1000000)}, options);
   ASSERT_TRUE(run.failure);
   EXPECT_NE(run.failure->message().find("engine gave up"), std::string::npos);
   EXPECT_EQ(run.trace.column("time_s"), std::vector<double>{0});
   EXPECT_EQ(run.final_time_s, 0);
   EXPECT_EQ(run.energy.stored, run.energy.stored_initially);
+  EXPECT_EQ(run.energy.dissipated, 0);
 }
 
 }  // namespace
