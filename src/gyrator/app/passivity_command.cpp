@@ -86,6 +86,20 @@ std::string describe_fruitless_search(const Model& model, const nlohmann::json& 
                    : "only an\noperator of extreme size would");
 }
 
+// Of a virtual coupling's tool.
+std::string describe_minimum_mass(const nlohmann::json& masses, const MotionUnits& units) {
+  const auto mass = [&](const char* scheme) -> std::string {
+    const auto& value = masses[scheme];
+    if (value.is_null()) return "none";
+    return value == 0 ? "any" : format_quantity(value, units.inertia);
+  };
+  return fmt::format(
+      "\nsmallest passive tool: {} explicit, {} semi-implicit, {} implicit integration; it has "
+      "{}\n",
+      mass("explicit"), mass("semi_implicit"), mass("implicit"),
+      format_quantity(masses["tool"], units.inertia));
+}
+
 std::string describe(const Model& model, const nlohmann::json& result, const Options& options) {
   const MotionUnits& units = units_of(model.device.motion);
   const bool passive = result["verdict"] == "passive";
@@ -109,6 +123,7 @@ std::string describe(const Model& model, const nlohmann::json& result, const Opt
                     worst.is_null() ? "-" : describe_frequency(worst),
                     describe_limit(c["max_stiffness"], units.stiffness));
   }
+  if (result.contains("minimum_mass")) text += describe_minimum_mass(result["minimum_mass"], units);
   std::string notes;
   const std::string explanation = result["explanation"];
   for (const auto& c : result["criteria"]) {

@@ -3,6 +3,12 @@
 namespace gyrator {
 namespace {
 
+// Direct, proxy, equivalent impedance: a deformable object, touched in one way or another.
+template <class T>
+concept RendersObject = requires(const T& law) {
+  law.scene;
+};
+
 // What a criterion makes of each law. One overload per law of the list.
 
 DiscreteStateSpace contact_law(const NoController& /*none*/, double /*period*/) {
@@ -13,6 +19,12 @@ DiscreteStateSpace contact_law(const VirtualWall& wall, double period) {
 }
 DiscreteStateSpace contact_law(const WaveController& wave, double period) {
   return make_wave_law(wave, period);
+}
+DiscreteStateSpace contact_law(const VirtualCoupling& coupling, double period) {
+  return make_coupling_law(coupling, period);
+}
+DiscreteStateSpace contact_law(const RendersObject auto& rendering, double period) {
+  return make_deformable_law(rendering, period);
 }
 
 bool is_linear(const NoController& /*none*/) {
@@ -26,12 +38,28 @@ bool is_linear(const WaveController& wave) {
   return !(behind && behind->unilateral);
 }
 
+bool is_linear(const VirtualCoupling& coupling) {
+  return !(coupling.wall && coupling.wall->unilateral) && !has_own_rate(coupling.update);
+}
+bool is_linear(const RendersObject auto& rendering) {
+  return !rendering.scene.unilateral && !has_own_rate(rendering.scene.update);
+}
+bool is_linear(const EquivalentImpedance& rendering) {
+  return !rendering.scene.unilateral;  // its update changes nothing that is felt in contact
+}
+
 void stay_in_contact(NoController& /*none*/) {}
 void stay_in_contact(VirtualWall& wall) {
   wall.unilateral = wall.no_pull = false;
 }
 void stay_in_contact(WaveController& wave) {
   if (auto* wall = std::get_if<WaveWall>(&wave.environment)) wall->unilateral = false;
+}
+void stay_in_contact(VirtualCoupling& coupling) {
+  if (coupling.wall) coupling.wall->unilateral = false;
+}
+void stay_in_contact(RendersObject auto& rendering) {
+  rendering.scene.unilateral = false;
 }
 
 std::optional<WallValues> wall_values(const NoController& /*none*/) {
@@ -43,6 +71,12 @@ std::optional<WallValues> wall_values(const VirtualWall& wall) {
 std::optional<WallValues> wall_values(const WaveController& wave) {
   if (const auto* wall = std::get_if<WaveWall>(&wave.environment))
     return WallValues{wall->stiffness, wall->damping};
+  return std::nullopt;
+}
+std::optional<WallValues> wall_values(const VirtualCoupling& /*coupling*/) {
+  return std::nullopt;  // the wall is felt through coupling and tool
+}
+std::optional<WallValues> wall_values(const RendersObject auto& /*rendering*/) {
   return std::nullopt;
 }
 
@@ -98,6 +132,14 @@ RunningController::RunningLaw RunningController::make_law(const Law& law, double
     return VirtualWallController(*wall, period);
   if (const auto* wave = std::get_if<WaveController>(&law))
     return RunningWaveController(*wave, period, position);
+  if (const auto* coupling = std::get_if<VirtualCoupling>(&law))
+    return RunningVirtualCoupling(*coupling, period);
+  if (const auto* direct = std::get_if<DirectRendering>(&law))
+    return RunningHeldRendering(*direct, period);
+  if (const auto* proxy = std::get_if<ProxyRendering>(&law))
+    return RunningHeldRendering(*proxy, period);
+  if (const auto* equivalent = std::get_if<EquivalentImpedance>(&law))
+    return RunningEquivalentImpedance(*equivalent, period);
   return Idle{};
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include "gyrator/controllers/deformable.hpp"
 #include "gyrator/controllers/pre_emphasis.hpp"
+#include "gyrator/controllers/virtual_coupling.hpp"
 #include "gyrator/controllers/virtual_wall.hpp"
 #include "gyrator/controllers/wave_controller.hpp"
 
@@ -16,7 +18,8 @@ namespace gyrator {
 struct NoController {};
 
 /// The closed list of laws, as configuration: what turns a sampled signal into a command.
-using Law = std::variant<NoController, VirtualWall, WaveController>;
+using Law = std::variant<NoController, VirtualWall, WaveController, VirtualCoupling,
+                         DirectRendering, ProxyRendering, EquivalentImpedance>;
 
 /// The closed list of what may stand between a law and the converter.
 using Wrapper = std::variant<PreEmphasis>;
@@ -83,7 +86,9 @@ class RunningController {
   struct Idle {
     double step(double /*y*/) { return 0; }
   };
-  using RunningLaw = std::variant<Idle, VirtualWallController, RunningWaveController>;
+  using RunningLaw =
+      std::variant<Idle, VirtualWallController, RunningWaveController, RunningVirtualCoupling,
+                   RunningHeldRendering, RunningEquivalentImpedance>;
   using RunningWrapper = std::variant<RunningPreEmphasis>;
 
   static RunningLaw make_law(const Law& law, double period, double position);

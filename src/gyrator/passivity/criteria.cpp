@@ -133,8 +133,9 @@ CriterionResult judge_quantized_coulomb(const PassivityModel& model, const Virtu
 }  // namespace
 
 DiscreteStateSpace make_textbook_law(const Controller& controller, double period) {
-  const auto wall = find_textbook_wall(controller);
-  return wall ? make_wall_law(*wall, period) : make_gain(0);
+  if (const auto wall = find_textbook_wall(controller)) return make_wall_law(*wall, period);
+  if (std::holds_alternative<WaveController>(controller.law)) return make_gain(0);
+  return make_contact_law(Controller(controller.law, {}), period);  // any other reads the position
 }
 
 Assumptions test_assumptions(const Device& device, const Sampling& sampling, PortModel& model) {

@@ -246,7 +246,19 @@ class Judge {
 
 Verdict judge_passivity(const PassivityModel& model, bool search_counterexample) {
   require_stable_device(model.device);
-  return Judge(model).judge(search_counterexample);
+  Verdict verdict = Judge(model).judge(search_counterexample);
+  verdict.judged = keep_in_contact(model.controller);
+  // A tool that leaves its wall is still there: free, it must be passive too.
+  const auto* coupling = std::get_if<VirtualCoupling>(&model.controller.law);
+  if (!verdict.passive || !coupling || !coupling->wall || !coupling->wall->unilateral)
+    return verdict;
+  PassivityModel free = model;
+  std::get<VirtualCoupling>(free.controller.law).wall.reset();
+  Verdict unloaded = Judge(free).judge(search_counterexample);
+  if (unloaded.passive) return verdict;
+  unloaded.judged = free.controller;
+  unloaded.explanation += " (With the tool away from its wall; in contact it is passive.)";
+  return unloaded;
 }
 
 }  // namespace gyrator

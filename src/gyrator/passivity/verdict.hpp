@@ -29,6 +29,7 @@ struct DampingCurves {
 
 struct Verdict {
   bool passive = false;
+  Controller judged;        ///< the controller in the state that the verdict speaks of
   std::string explanation;  ///< one sentence
   std::vector<CriterionResult> criteria;
   bool device_passive = true;  ///< Re Z >= 0 everywhere, alone

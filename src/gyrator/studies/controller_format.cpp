@@ -1,6 +1,9 @@
 #include "gyrator/studies/controller_format.hpp"
 
+#include "gyrator/studies/environment_format.hpp"
 #include "gyrator/studies/velocity_format.hpp"
+
+#include <utility>
 
 namespace gyrator {
 namespace {
@@ -49,6 +52,7 @@ ObjectSpec pre_emphasis_spec() {
           }};
 }
 
+// Those that simulate nothing behind the loop.
 std::vector<ObjectSpec> make_law_specs(const MotionTerms& terms) {
   return {{"none", "The command stays zero.", {}},
           {"virtual_wall",
@@ -82,6 +86,7 @@ std::vector<ObjectSpec> make_law_specs(const MotionTerms& terms) {
 
 std::vector<ObjectSpec> make_controller_specs(const MotionTerms& terms) {
   std::vector<ObjectSpec> specs = make_law_specs(terms);
+  for (auto& spec : make_environment_specs(terms)) specs.push_back(std::move(spec));
   for (auto& spec : specs) {
     if (spec.name == "none" || spec.name == "wave") continue;
     spec.members.push_back(member::object("pre_emphasis", pre_emphasis_spec())
@@ -89,7 +94,10 @@ std::vector<ObjectSpec> make_controller_specs(const MotionTerms& terms) {
   }
   return specs;
 }
+
 Controller parse_controller(const json& c, const ControllerSurroundings& surroundings) {
+  if (auto law = parse_environment(c, surroundings.period, surroundings.slow_period))
+    return {std::move(*law), {}};
   return parse_law(c, surroundings);
 }
 

@@ -5,6 +5,7 @@
 #include "gyrator/documents/document_spec.hpp"
 #include "gyrator/studies/motion_terms.hpp"
 
+#include <optional>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -17,7 +18,8 @@ std::vector<ObjectSpec> make_controller_specs(const MotionTerms& terms);
 /// The rest of the model that a controller's defaults come from.
 struct ControllerSurroundings {
   Rational period;
-  double quantum = 0;  ///< of the sensor [m, rad]
+  double quantum = 0;                     ///< of the sensor [m, rad]
+  std::optional<Rational> slow_period{};  ///< of a slower environment
 };
 
 /// From a validated document: every key is there, of the right type, in SI units. What takes its

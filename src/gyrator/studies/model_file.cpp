@@ -8,6 +8,7 @@
 #include "gyrator/passivity/held_limit.hpp"
 #include "gyrator/plots/pretty_text.hpp"
 #include "gyrator/studies/controller_format.hpp"
+#include "gyrator/studies/environment_format.hpp"
 #include "gyrator/studies/model_format.hpp"
 #include "gyrator/studies/operator_format.hpp"
 #include "gyrator/studies/sampling_format.hpp"
@@ -28,6 +29,11 @@ using nlohmann::json;
 
 Rational time_of(const json& value) {
   return Rational::from_text(value.get<std::string>());
+}
+
+std::optional<Rational> slow_period_of(const json& sampling) {
+  if (sampling["slow_period"].is_null()) return std::nullopt;
+  return time_of(sampling["slow_period"]);
 }
 
 // Inertia and mass, torque and force constant: one thing under the motion's own name.
@@ -232,6 +238,7 @@ void check_together(Model& model, const json& source, const json& read, const st
     const json& controller = read["controller"];
     if (controller.contains("pre_emphasis") && !controller["pre_emphasis"].is_null())
       connect_pre_emphasis(model, controller["pre_emphasis"]);
+    check_environment(model.controller, model.sampling.period, slow_period_of(read["sampling"]));
   } catch (const Error& error) {
     throw Error(error.code(), file + ": /" + error.place(), error.message());
   }
@@ -263,8 +270,8 @@ Model parse_model(const json& document, const std::string& file) {
   model.sensor = parse_sensor(m["sensor"]);
   model.sampling = parse_sampling(m["sampling"], file);
   model.dac = parse_dac(m["dac"]);
-  model.controller =
-      parse_controller(m["controller"], {model.sampling.period, model.sensor.quantum});
+  model.controller = parse_controller(m["controller"], {model.sampling.period, model.sensor.quantum,
+                                                        slow_period_of(m["sampling"])});
   model.held_by = parse_operator(m["operator"], file);
   const json& s = m["simulation"];
   model.duration = time_of(s["duration"]);

@@ -3,6 +3,7 @@
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/interrupt.hpp"
 #include "gyrator/mechanics/stability.hpp"
+#include "gyrator/passivity/minimum_mass.hpp"
 #include "gyrator/passivity/port_response.hpp"
 #include "gyrator/studies/operating_point_fields.hpp"
 #include "gyrator/studies/progress.hpp"
@@ -45,7 +46,8 @@ json disk_json(const Verdict& v) {
 }
 
 // A run of the loop with the operator that lasts until the growth is plain to see.
-json simulate_counterexample(const Model& model, const Counterexample& found) {
+json simulate_counterexample(const Model& model, const Controller& controller,
+                             const Counterexample& found) {
   constexpr double wanted_growth = 8;  // natural logarithm: a factor of 3000
   constexpr double most_samples = 4e6;
   constexpr double rows = 4000;
@@ -63,7 +65,6 @@ json simulate_counterexample(const Model& model, const Counterexample& found) {
   options.record_every =
       std::max<long>(1, static_cast<long>(std::floor(static_cast<double>(samples) / rows)));
   // The loop that the verdict is about: the wall in contact, nothing quantized.
-  const Controller controller = keep_in_contact(model.sampled_controller());
   const Plant plant = build_plant(build_device_network(model.device, found.held_by));
   const TimeRun run = simulate(plant, Sensor{}, controller, model.sampling, options);
   return {{"classification", name_of(run.classification.outcome)},
@@ -75,7 +76,8 @@ json simulate_counterexample(const Model& model, const Counterexample& found) {
           {"command", run.trace.column("command")}};
 }
 
-json counterexample_json(const Model& model, const Counterexample& found, bool with_run) {
+json counterexample_json(const Model& model, const Verdict& verdict, bool with_run) {
+  const Counterexample& found = *verdict.counterexample;
   json resonators = json::array();
   for (const auto& r : found.held_by.resonators) {
     resonators.push_back({{"inertia", r.inertia}, {"stiffness", r.stiffness}});
@@ -85,8 +87,20 @@ json counterexample_json(const Model& model, const Counterexample& found, bool w
                  {"resonators", resonators},
                  {"spectral_radius", found.spectral_radius},
                  {"frequency_hz", found.frequency_hz}};
-  if (with_run) result["simulation"] = simulate_counterexample(model, found);
+  if (with_run) result["simulation"] = simulate_counterexample(model, verdict.judged, found);
   return result;
+}
+
+// Of a virtual coupling's tool, by each integration scheme; null where no mass is passive.
+json minimum_mass_json(const Model& model) {
+  json masses = json::object();
+  for (const auto kind :
+       {Integration::explicit_euler, Integration::semi_implicit, Integration::implicit})
+    masses[name_of(kind)] = optional_number(find_minimum_mass(model.passivity_model(), kind));
+  const auto& coupling = std::get<VirtualCoupling>(model.controller.law);
+  masses["chosen"] = masses[name_of(coupling.integration)];
+  masses["tool"] = coupling.tool_inertia;
+  return masses;
 }
 
 // Where an analog loop does the wall, no estimator is left to judge.
@@ -152,6 +166,8 @@ json make_passivity_result(const Model& model, const PassivityRequest& request) 
   }
   const bool reads_wave = std::holds_alternative<WaveController>(model.controller.law);
   result["sampled_signal"] = reads_wave ? "wave_integral" : "position";
+  if (std::holds_alternative<VirtualCoupling>(model.controller.law))
+    result["minimum_mass"] = minimum_mass_json(model);
   result["criteria"] = json::array();
   for (const auto& criterion : v.criteria) result["criteria"].push_back(criterion_json(criterion));
   result["extra_damping"] = optional_number(v.extra_damping);
@@ -167,9 +183,9 @@ json make_passivity_result(const Model& model, const PassivityRequest& request) 
                                       {"total", v.curves.total},
                                       {"exact", v.curves.exact}};
   if (std::abs(v.shown_law) > 0) result["disk"] = disk_json(v);
-  result["counterexample"] = v.counterexample ? counterexample_json(model, *v.counterexample,
-                                                                    request.simulate_counterexample)
-                                              : json(nullptr);
+  result["counterexample"] = v.counterexample
+                                 ? counterexample_json(model, v, request.simulate_counterexample)
+                                 : json(nullptr);
   return result;
 }
 

@@ -51,6 +51,9 @@ ObjectSpec sampling_spec() {
                   "Each sample comes at a random time within plus or minus this, below half a "
                   "period, around its due time; for `simulate`, from simulation.seed. The "
                   "controller and the linear tools take the clock as even."),
+              member::time("slow_period")
+                  .above(0)
+                  .doc("Of a slower environment, where its \"update\" gives no period."),
           }};
 }
 

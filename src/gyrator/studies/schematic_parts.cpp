@@ -258,6 +258,37 @@ struct ControllerLines {
     }
     return lines;
   }
+
+  BlockText operator()(const VirtualCoupling& coupling) const {
+    BlockText lines{"virtual coupling", "K " + terms.stiffness(coupling.coupling.stiffness),
+                    "B " + terms.damping(coupling.coupling.damping),
+                    "tool " + terms.inertia(coupling.tool_inertia)};
+    if (coupling.wall) lines.push_back("wall " + terms.stiffness(coupling.wall->law.stiffness));
+    add_update(lines, coupling.update);
+    return lines;
+  }
+
+  BlockText operator()(const DirectRendering& law) const {
+    return describe_object("direct rendering", law.scene);
+  }
+  BlockText operator()(const ProxyRendering& law) const {
+    return describe_object("proxy", law.scene);
+  }
+  BlockText operator()(const EquivalentImpedance& law) const {
+    return describe_object("equivalent impedance", law.scene);
+  }
+
+  BlockText describe_object(const char* title, const DeformableScene& scene) const {
+    BlockText lines{title, "object " + terms.inertia(scene.object.inertia),
+                    terms.stiffness(scene.object.to_ground.stiffness),
+                    "contact " + terms.stiffness(scene.contact.stiffness)};
+    add_update(lines, scene.update);
+    return lines;
+  }
+
+  static void add_update(BlockText& lines, const SlowUpdate& update) {
+    if (update.period) lines.push_back("every " + seconds(*update.period));
+  }
 };
 
 // ---- Operators --------------------------------------------------------------------------------
