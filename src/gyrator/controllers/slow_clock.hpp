@@ -11,10 +11,10 @@ namespace gyrator {
 
 /// How often an environment behind the fast loop is computed, and how its results come back.
 struct SlowUpdate {
-  std::optional<Rational> period;  ///< [s]; none: that of the fast loop
-  Rational delay{0};               ///< [s], from the slow tick to where its result is used
-  double loss = 0;                 ///< probability that a result is lost, in [0, 1)
-  std::uint64_t seed = 1;          ///< of the losses
+  std::optional<Rational> period{};  ///< [s]; none: that of the fast loop
+  Rational delay{0};                 ///< [s], from the slow tick to where its result is used
+  double loss = 0;                   ///< probability that a result is lost, in [0, 1)
+  std::uint64_t seed = 1;            ///< of the losses
 };
 
 /// Whether an environment has a rate of its own at all, or results that come late or not at all.
