@@ -10,6 +10,7 @@
 namespace gyrator {
 namespace {
 
+constexpr std::uint64_t loss_stream = 0x105535;  // apart from those of the sample loop
 constexpr std::int64_t most_results_under_way = 1'000'000;
 
 void check(const SlowUpdate& update, const Rational& period, const Rational& fast) {
@@ -56,7 +57,7 @@ void require_immediate(const SlowUpdate& update, double period) {
 }
 
 SlowClock::SlowClock(const SlowUpdate& update, const Rational& fast_period)
-    : loss_(update.loss), random_(update.seed) {
+    : loss_(update.loss), random_(update.seed, loss_stream) {
   const Rational period = update.period.value_or(fast_period);
   check(update, period, fast_period);
   in_loop_ = period == fast_period;
@@ -76,8 +77,7 @@ SlowClock::SlowClock(const SlowUpdate& update, const Rational& fast_period)
 std::optional<std::int64_t> SlowClock::find_arrival() {
   const std::int64_t tick = slow_ - 1;  // advance() has gone beyond it
   if (loss_ > 0) {
-    // 53 random bits: the same on every platform, unlike std::uniform_real_distribution.
-    const double drawn = static_cast<double>(random_() >> 11U) * 0x1p-53;
+    const double drawn = random_.uniform();  // at every tick, so that seeds mean the same losses
     if (drawn < loss_ && tick > 0) return std::nullopt;
   }
   const std::int64_t arrival = ceiling(tick * period_parts_ + delay_parts_);

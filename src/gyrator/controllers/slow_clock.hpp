@@ -1,10 +1,10 @@
 #pragma once
 
+#include "gyrator/core/random_stream.hpp"
 #include "gyrator/core/rational.hpp"
 
 #include <cstdint>
 #include <optional>
-#include <random>
 #include <vector>
 
 namespace gyrator {
@@ -72,7 +72,7 @@ class SlowClock {
   std::size_t most_under_way_ = 1;
   std::int64_t fast_ = -1, slow_ = 0, due_ = 0;
   double loss_ = 0;
-  std::mt19937_64 random_;
+  RandomStream random_;
 };
 
 /// What a slow environment tells the fast loop: the newest Values that have arrived.
