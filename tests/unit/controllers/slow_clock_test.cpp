@@ -83,6 +83,14 @@ TEST(SlowClock, loses_as_many_updates_as_it_is_told_to_and_keeps_the_last_that_c
   EXPECT_NEAR(arrived, updates * (1 - loss), 5 * deviation);
 }
 
+TEST(SlowClock, never_loses_the_first_result) {
+  for (std::uint64_t seed = 1; seed < 30; ++seed) {  // 0.1^29: one would be lost
+    SlowLink<int> link({.period = Rational(1, 500), .loss = 0.9, .seed = seed}, millisecond);
+    link.exchange([] { return 5; });
+    EXPECT_EQ(link.exchange([] { return 6; }), 5) << seed;
+  }
+}
+
 TEST(SlowClock, loses_the_same_updates_with_the_same_seed_only) {
   const auto run = [](std::uint64_t seed) {
     SlowLink<int> link({.period = Rational(1, 500), .loss = 0.5, .seed = seed}, millisecond);

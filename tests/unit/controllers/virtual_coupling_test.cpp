@@ -161,6 +161,20 @@ TEST(VirtualCoupling, presses_its_tool_into_a_wall_until_both_springs_agree) {
   }
 }
 
+TEST(VirtualCoupling, an_implicit_tool_that_its_walls_damper_stops_short_stops_at_the_wall) {
+  // Free it would pass the wall, with all of the wall's damping it would not reach it: the effort
+  // in between that ends the step at the surface is the solution.
+  ChainModel model;
+  model.inertia[0] = m;
+  model.links[1] = {{1000, 100}, true};
+  model.integration = Integration::implicit;
+  VirtualChain chain(model, T);
+  chain.place({{-1e-4, 0}, {1, 0}});
+  chain.advance(0, 0);
+  EXPECT_NEAR(chain.state().position[0], 0, 1e-15);
+  EXPECT_NEAR(chain.state().velocity[0], 0.1, 1e-12);
+}
+
 TEST(VirtualCoupling, starts_without_effort_wherever_the_device_is) {
   for (const Integration scheme : schemes) {
     RunningController running(make(scheme), T);

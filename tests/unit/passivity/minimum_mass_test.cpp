@@ -28,7 +28,7 @@ constexpr double search = 1e-4;  // the search ends at 1e-5 of the mass
 TEST(MinimumMass, of_a_semi_implicit_tool_is_what_the_loop_allows_at_nyquist) {
   const SpringDamper wall{2000, 1};
   for (const SpringDamper& c :
-       {SpringDamper{300, 0.2}, SpringDamper{1000, 0.1}, SpringDamper{20, 0.6}}) {
+       {SpringDamper{300, 0.2}, SpringDamper{300, 0.5}, SpringDamper{20, 0.6}}) {
     const double b_w = c.stiffness * T / 2 + c.damping;
     const double free = T / 2 * b_w * b / (b - b_w);
     PassivityModel model = make_model(c);
@@ -37,6 +37,13 @@ TEST(MinimumMass, of_a_semi_implicit_tool_is_what_the_loop_allows_at_nyquist) {
     const double touching = free + T / 2 * (wall.stiffness * T / 2 + wall.damping);
     EXPECT_NEAR(find_minimum_mass(model, Integration::semi_implicit).value() / touching, 1, search);
   }
+}
+
+TEST(MinimumMass, of_a_semi_implicit_tool_is_larger_where_the_coupling_is_hardly_damped) {
+  // B = 0.1 K T: another frequency than Nyquist binds.
+  const double b_w = 1000 * T / 2 + 0.1;
+  const auto found = find_minimum_mass(make_model({1000, 0.1}), Integration::semi_implicit);
+  EXPECT_GT(found.value(), 1.5 * T / 2 * b_w * b / (b - b_w));
 }
 
 TEST(MinimumMass, of_an_explicit_tool_exists_only_where_damping_outweighs_the_scheme) {
