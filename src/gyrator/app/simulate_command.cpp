@@ -75,6 +75,9 @@ std::string describe(const Model& model, const nlohmann::json& result, bool verb
   row("- turned into heat", e["dissipated"]);
   row("= stored at the end", e["stored"]);
   row("not accounted for (residual)", e["residual"]);
+  if (const auto& hardness = result["rate_hardness"]; !hardness.is_null())
+    text += fmt::format("\nfirst contact: rate-hardness {}\n",
+                        format_quantity(hardness.get<double>(), units.stiffness));
   text += describe_winding(result);
   if (verbose) {
     const auto& oscillation = result["oscillation"];

@@ -1,5 +1,7 @@
 #include "gyrator/controllers/controller.hpp"
 
+#include <algorithm>
+
 namespace gyrator {
 namespace {
 
@@ -27,6 +29,10 @@ DiscreteStateSpace contact_law(const RendersObject auto& rendering, double perio
   return make_deformable_law(rendering, period);
 }
 
+DiscreteStateSpace contact_law(const PredictiveWall& wall, double period) {
+  return make_predictive_law(wall, period);
+}
+
 bool is_linear(const NoController& /*none*/) {
   return true;
 }
@@ -47,6 +53,9 @@ bool is_linear(const RendersObject auto& rendering) {
 bool is_linear(const EquivalentImpedance& rendering) {
   return !rendering.scene.unilateral;  // its update changes nothing that is felt in contact
 }
+bool is_linear(const PredictiveWall& wall) {
+  return !wall.unilateral && wall.device.constant_effort == 0;
+}
 
 void stay_in_contact(NoController& /*none*/) {}
 void stay_in_contact(VirtualWall& wall) {
@@ -60,6 +69,11 @@ void stay_in_contact(VirtualCoupling& coupling) {
 }
 void stay_in_contact(RendersObject auto& rendering) {
   rendering.scene.unilateral = false;
+}
+
+void stay_in_contact(PredictiveWall& wall) {
+  wall.unilateral = false;
+  wall.device.constant_effort = 0;
 }
 
 std::optional<WallValues> wall_values(const NoController& /*none*/) {
@@ -80,10 +94,36 @@ std::optional<WallValues> wall_values(const RendersObject auto& /*rendering*/) {
   return std::nullopt;
 }
 
+std::optional<WallValues> wall_values(const PredictiveWall& wall) {
+  return WallValues{wall.stiffness, wall.damping};
+}
+
+// The energies of the law in closed form, for a passivity control around it; none for most.
+
+template <class T>
+std::optional<ReferenceWall> reference_wall(const T& /*law*/) {
+  return std::nullopt;
+}
+std::optional<ReferenceWall> reference_wall(const VirtualWall& wall) {
+  // Negative damping is a source: the reference of what should be passive has none.
+  return ReferenceWall{wall.stiffness, std::max(wall.damping, 0.0), wall.unilateral, wall.no_pull};
+}
+std::optional<ReferenceWall> reference_wall(const PredictiveWall& wall) {
+  return ReferenceWall{wall.stiffness, wall.damping, wall.unilateral};
+}
+
 // H(z) of a wrapper, from command to command; none where it is not linear.
 
 std::optional<DiscreteStateSpace> linear_wrapper(const PreEmphasis& stage) {
   return stage.filter;
+}
+template <class T>
+std::optional<DiscreteStateSpace> linear_wrapper(const T& /*not linear*/) {
+  return std::nullopt;
+}
+
+bool is_nonlinear(const Wrapper& wrapper) {
+  return !std::visit([](const auto& w) { return linear_wrapper(w); }, wrapper);
 }
 
 }  // namespace
@@ -105,15 +145,30 @@ DiscreteStateSpace make_contact_law(const Controller& controller, double period)
 
 std::optional<DiscreteStateSpace> find_linear_law(const Controller& controller, double period) {
   if (!std::visit([](const auto& l) { return is_linear(l); }, controller.law)) return std::nullopt;
-  for (const auto& wrapper : controller.wrappers) {
-    if (!std::visit([](const auto& w) { return linear_wrapper(w); }, wrapper)) return std::nullopt;
-  }
+  if (has_nonlinear_wrapper(controller)) return std::nullopt;
   return make_contact_law(controller, period);
 }
 
 Controller keep_in_contact(Controller controller) {
   std::visit([](auto& law) { stay_in_contact(law); }, controller.law);
+  std::erase_if(controller.wrappers, is_nonlinear);
   return controller;
+}
+
+bool has_nonlinear_wrapper(const Controller& controller) {
+  return std::any_of(controller.wrappers.begin(), controller.wrappers.end(), is_nonlinear);
+}
+
+bool reads_position(const Law& law) {
+  return !std::holds_alternative<NoController>(law) && !std::holds_alternative<WaveController>(law);
+}
+
+bool has_contact(const Law& law) {
+  const auto is_surface = [](const auto& l) {
+    if constexpr (requires { l.unilateral; }) return l.unilateral;
+    return false;
+  };
+  return std::visit(is_surface, law);
 }
 
 std::optional<WallValues> find_wall_values(const Controller& controller) {
@@ -123,7 +178,7 @@ std::optional<WallValues> find_wall_values(const Controller& controller) {
 RunningController::RunningController(const Controller& controller, double period, double position)
     : law_(make_law(controller.law, period, position)) {
   for (const auto& wrapper : controller.wrappers)
-    wrappers_.push_back(make_wrapper(wrapper, period));
+    wrappers_.push_back(make_wrapper(wrapper, controller.law, period));
 }
 
 RunningController::RunningLaw RunningController::make_law(const Law& law, double period,
@@ -140,12 +195,24 @@ RunningController::RunningLaw RunningController::make_law(const Law& law, double
     return RunningHeldRendering(*proxy, period);
   if (const auto* equivalent = std::get_if<EquivalentImpedance>(&law))
     return RunningEquivalentImpedance(*equivalent, period);
+  if (const auto* wall = std::get_if<PredictiveWall>(&law))
+    return RunningPredictiveWall(*wall, period);
   return Idle{};
 }
 
 RunningController::RunningWrapper RunningController::make_wrapper(const Wrapper& wrapper,
-                                                                  double /*period*/) {
-  return RunningPreEmphasis(std::get<PreEmphasis>(wrapper));
+                                                                  const Law& law, double period) {
+  if (const auto* stage = std::get_if<PreEmphasis>(&wrapper)) return RunningPreEmphasis(*stage);
+  if (const auto* control = std::get_if<PassivityControl>(&wrapper)) {
+    const auto wall = std::visit([](const auto& l) { return reference_wall(l); }, law);
+    return RunningPassivityControl(*control, wall, period);
+  }
+  const auto course = [&](const auto& effect) -> std::vector<double> {
+    if constexpr (requires { make_effect_course(effect, period); })
+      return make_effect_course(effect, period);
+    return {};
+  };
+  return RunningContactEffect(std::visit(course, wrapper), period);
 }
 
 namespace {

@@ -1,7 +1,10 @@
 #pragma once
 
+#include "gyrator/controllers/contact_effect.hpp"
 #include "gyrator/controllers/deformable.hpp"
+#include "gyrator/controllers/passivity_control.hpp"
 #include "gyrator/controllers/pre_emphasis.hpp"
+#include "gyrator/controllers/predictive_wall.hpp"
 #include "gyrator/controllers/virtual_coupling.hpp"
 #include "gyrator/controllers/virtual_wall.hpp"
 #include "gyrator/controllers/wave_controller.hpp"
@@ -18,11 +21,12 @@ namespace gyrator {
 struct NoController {};
 
 /// The closed list of laws, as configuration: what turns a sampled signal into a command.
-using Law = std::variant<NoController, VirtualWall, WaveController, VirtualCoupling,
+using Law = std::variant<NoController, VirtualWall, WaveController, PredictiveWall, VirtualCoupling,
                          DirectRendering, ProxyRendering, EquivalentImpedance>;
 
 /// The closed list of what may stand between a law and the converter.
-using Wrapper = std::variant<PreEmphasis>;
+using Wrapper =
+    std::variant<PreEmphasis, BrakingPulse, EventTransient, AccelerationMatching, PassivityControl>;
 
 /// A law and what is wrapped around it, from the inside out. Each wrapper sees the sampled signal
 /// and the command of what it wraps, and hands on a command of its own.
@@ -48,8 +52,19 @@ std::optional<DiscreteStateSpace> find_linear_law(const Controller& controller, 
 /// bad_input for a velocity estimator that is not linear: there is no such law.
 DiscreteStateSpace make_contact_law(const Controller& controller, double period);
 
-/// The controller that it is while in contact and free to pull: what linear criteria speak of.
+/// The controller that it is while in contact and free to pull, without its wrappers that are not
+/// linear: what linear criteria speak of.
 Controller keep_in_contact(Controller controller);
+
+/// Whether a wrapper is left out of what linear criteria judge.
+bool has_nonlinear_wrapper(const Controller& controller);
+
+/// Whether the law computes its command from a position, so that position and effort are a port
+/// whose energy can be observed.
+bool reads_position(const Law& law);
+
+/// Whether the law is a surface at position zero, so that there is a moment of contact.
+bool has_contact(const Law& law);
 
 /// The linear wrappers in series, applied to the command; a gain of one without any.
 DiscreteStateSpace make_output_law(const Controller& controller);
@@ -70,8 +85,13 @@ class RunningController {
 
   double step(double y) {
     double command = std::visit([y](auto& law) { return law.step(y); }, law_);
-    for (auto& wrapper : wrappers_)
+    if (wrappers_.empty()) return command;
+    double effort = command;  // what the wrappers mean to reach the device
+    for (auto& wrapper : wrappers_) {
       command = std::visit([&](auto& w) { return w.step(y, command); }, wrapper);
+      if (!std::holds_alternative<RunningPreEmphasis>(wrapper)) effort = command;
+    }
+    tell_law(effort);
     return command;
   }
 
@@ -87,12 +107,18 @@ class RunningController {
     double step(double /*y*/) { return 0; }
   };
   using RunningLaw =
-      std::variant<Idle, VirtualWallController, RunningWaveController, RunningVirtualCoupling,
-                   RunningHeldRendering, RunningEquivalentImpedance>;
-  using RunningWrapper = std::variant<RunningPreEmphasis>;
+      std::variant<Idle, VirtualWallController, RunningWaveController, RunningPredictiveWall,
+                   RunningVirtualCoupling, RunningHeldRendering, RunningEquivalentImpedance>;
+  using RunningWrapper =
+      std::variant<RunningPreEmphasis, RunningContactEffect, RunningPassivityControl>;
 
   static RunningLaw make_law(const Law& law, double period, double position);
-  static RunningWrapper make_wrapper(const Wrapper& wrapper, double period);
+  static RunningWrapper make_wrapper(const Wrapper& wrapper, const Law& law, double period);
+
+  // A law that reckons with its own command hears what the wrappers made of it.
+  void tell_law(double effort) {
+    if (auto* wall = std::get_if<RunningPredictiveWall>(&law_)) wall->take_applied(effort);
+  }
 
   RunningLaw law_;
   std::vector<RunningWrapper> wrappers_;

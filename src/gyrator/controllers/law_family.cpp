@@ -11,6 +11,7 @@ LawFamily::LawFamily(const Controller& controller, double period)
   VelocityEstimator estimator = DifferenceEstimator{};
   if (const auto* wall = std::get_if<VirtualWall>(&controller.law)) estimator = wall->velocity;
   if (const auto* wave = std::get_if<WaveController>(&controller.law)) wave_ = *wave;
+  if (const auto* wall = std::get_if<PredictiveWall>(&controller.law)) predictive_ = *wall;
   velocity_ = make_velocity_law(estimator, period);
 }
 
@@ -19,7 +20,19 @@ LawFamily::Point LawFamily::prepare(double omega) const {
   return {omega, wave_ ? Complex(0) : velocity_.response(z), output_.response(z)};
 }
 
+MobiusLaw LawFamily::at_predictive(const Point& point, double virtual_damping) const {
+  const Complex late = std::polar(1.0, -point.omega * period_);
+  const MotionStep ahead = find_predicted_motion(*predictive_, period_);
+  const ObserverGains seen = make_observer_gains(predictive_->device, period_);
+  const Complex difference = seen.difference * (1.0 - late);
+  const Complex command = seen.command * late;
+  const double B = virtual_damping;
+  return {point.output * B * ahead.vv * difference, point.output * (1.0 + ahead.xv * difference),
+          1.0 + B * ahead.vw + B * ahead.vv * command, ahead.xw + ahead.xv * command};
+}
+
 MobiusLaw LawFamily::at(const Point& point, double virtual_damping) const {
+  if (predictive_) return at_predictive(point, virtual_damping);
   if (!wave_) return {point.output * virtual_damping * point.velocity, point.output, 1, 0};
   const double omega = point.omega;
   // Numerator and denominator times z^(-1/2), so that neither has a difference of near numbers:
@@ -37,6 +50,12 @@ MobiusLaw LawFamily::at(const Point& point, double virtual_damping) const {
 }
 
 DiscreteStateSpace LawFamily::make(double stiffness, double virtual_damping) const {
+  if (predictive_) {
+    PredictiveWall wall = *predictive_;
+    wall.stiffness = stiffness;
+    wall.damping = virtual_damping;
+    return in_series(make_predictive_law(wall, period_), output_);
+  }
   if (!wave_) {
     const auto wall = in_parallel(make_gain(stiffness), scaled(velocity_, virtual_damping));
     return in_series(wall, output_);
@@ -47,6 +66,7 @@ DiscreteStateSpace LawFamily::make(double stiffness, double virtual_damping) con
 }
 
 bool LawFamily::has(double virtual_damping) const {
+  if (predictive_) return virtual_damping >= 0;
   return !wave_ || virtual_damping > -wave_->impedance;
 }
 

@@ -17,6 +17,8 @@ struct MobiusLaw {
 
 /// All walls of one kind: what a controller becomes as stiffness and virtual damping vary.
 ///   a wall from the position   H = K + B V(z)
+///   a predictive wall      H = (K + (K xv + B vv) d)/(1 + K xw + B vw + (K xv + B vv) c z^-1),
+///                          d = difference (1 - z^-1), c, difference of (pred-1), xv … of (pred-2)
 ///   a wall behind a wave line  H = -(1 - z^-1)/(T volts_per_command) (b_w - Z)/(b_w + Z),
 ///                              Z = B + K T/2 (z + 1)/(z - 1)                        (family-1)
 /// A controller without a wall stands for the wall of its kind. Linear wrappers (pre-emphasis) act
@@ -39,16 +41,20 @@ class LawFamily {
 
   DiscreteStateSpace make(double stiffness, double virtual_damping) const;
 
-  /// Whether a law exists at all with this B: behind a wave line, for B > -b_w.
+  /// Whether a law exists at all with this B: behind a wave line, for B > -b_w;
+  /// of a predictive wall, for B >= 0.
   bool has(double virtual_damping) const;
 
   /// Of a wave line, the stiffness that its sampling gives it, 2 b_w/T; none for a plain wall.
   std::optional<double> line_stiffness() const;
 
  private:
+  MobiusLaw at_predictive(const Point& point, double virtual_damping) const;
+
   double period_;
   DiscreteStateSpace velocity_;
   std::optional<WaveController> wave_;
+  std::optional<PredictiveWall> predictive_;
   DiscreteStateSpace output_;
 };
 

@@ -31,9 +31,8 @@ class Run {
         path_(sampling, delay_),
         u_(0, options.external_effort),
         steps_(floor_divide(options.duration, sampling.period)),
-        recorder_(plant, *engine_, run_.trace,
-                  {options.engine_options.ledger, options.gesture.has_value(),
-                   controller_.signal_names()}) {
+        recorder_(plant, *engine_, controller_, run_.trace,
+                  {options.engine_options.ledger, options.gesture.has_value()}) {
     if (steps_ < 1) {
       throw Error(ErrorCode::bad_input, "simulation/duration",
                   fmt::format("{:g} s: must be at least one sample period, {:g} s",
@@ -47,7 +46,6 @@ class Run {
     state_.xi = plant.initial_state(options.initial_position, options.initial_velocity);
     jumps_cost_energy_ = options.engine_options.ledger && !plant.energy.source_jump.isZero(0);
     jump_.resize(plant.states() + 2 * plant.inputs());
-    of_controller_.resize(controller_.signal_names().size());
     at_sample_ = state_;
     check_trace_size();
   }
@@ -95,7 +93,6 @@ class Run {
     row_.time = t;
     row_.measured = sensor_.read(plant_.sensor_position.state.dot(state_.xi));
     row_.command = controller_.step(row_.measured);
-    if (options_.record) controller_.read_signals(of_controller_);
     const bool usable = std::isfinite(row_.command);
     if (usable) path_.send(k_, clock_.offset(), options_.dac.convert(row_.command));
     if (gesture_ && !last) {
@@ -172,7 +169,7 @@ class Run {
 
   void record(double time, double held_after) {
     if (!options_.record) return;
-    recorder_.record({time, row_.measured, row_.command, held_after}, of_controller_, u_, state_);
+    recorder_.record({time, row_.measured, row_.command, held_after}, u_, state_);
   }
 
   void check_trace_size() {
@@ -247,7 +244,6 @@ class Run {
   TimeRun run_;
   TraceRecorder recorder_;
   TraceRow row_;  // of the last sample instant
-  std::vector<double> of_controller_;
   std::vector<std::size_t> sample_rows_;
   int whole_segment_ = -1, first_segment_ = -1;
   bool jumps_cost_energy_ = false;

@@ -3,7 +3,6 @@
 #include "gyrator/core/error.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -19,8 +18,9 @@ const std::vector<double>& Trace::column(const std::string& name) const {
   return columns[static_cast<std::size_t>(it - names.begin())];
 }
 
-TraceRecorder::TraceRecorder(const Plant& plant, Engine& engine, Trace& trace, Options options)
-    : plant_(plant), engine_(engine), trace_(trace), options_(std::move(options)) {
+TraceRecorder::TraceRecorder(const Plant& plant, Engine& engine,
+                             const RunningController& controller, Trace& trace, Options options)
+    : plant_(plant), engine_(engine), controller_(controller), trace_(trace), options_(options) {
   auto& names = trace_.names;
   names = {"time_s", "position", "velocity", "effort", "command"};
   for (const auto& signal : plant.others) names.push_back(signal.name);
@@ -32,11 +32,13 @@ TraceRecorder::TraceRecorder(const Plant& plant, Engine& engine, Trace& trace, O
   }
   if (jumps(plant.port_effort)) names.emplace_back("effort_after");
   if (options_.external_effort) names.emplace_back("external_effort");
-  names.insert(names.end(), options_.of_controller.begin(), options_.of_controller.end());
   if (options_.ledger) {
     names.insert(names.end(),
                  {"energy_operator", "energy_source", "energy_stored", "energy_dissipated"});
   }
+  const auto told = controller.signal_names();
+  names.insert(names.end(), told.begin(), told.end());
+  told_.resize(told.size());
   trace_.columns.assign(names.size(), {});
   z_.resize(plant.states() + plant.inputs());
 }
@@ -60,8 +62,7 @@ double TraceRecorder::stored(const Eigen::Vector2d& u, const PlantState& state) 
   return z_.dot(plant_.energy.stored * z_);
 }
 
-void TraceRecorder::record(const TraceRow& row, const std::vector<double>& of_controller,
-                           const Eigen::Vector2d& u, const PlantState& state) {
+void TraceRecorder::record(const TraceRow& row, const Eigen::Vector2d& u, const PlantState& state) {
   std::size_t at = 0;
   const auto put = [&](double value) { trace_.columns[at++].push_back(value); };
   before_ = engine_.inputs(u, state);
@@ -83,13 +84,14 @@ void TraceRecorder::record(const TraceRow& row, const std::vector<double>& of_co
   }
   if (jumps(plant_.port_effort)) put(value(plant_.port_effort, true));
   if (options_.external_effort) put(u(1));
-  for (const double signal : of_controller) put(signal);
   if (options_.ledger) {
     put(state.operator_work);
     put(state.source_work);
     put(stored(u, state));
     put(state.dissipated);
   }
+  controller_.read_signals(told_);
+  for (const double told : told_) put(told);
 }
 
 }  // namespace gyrator

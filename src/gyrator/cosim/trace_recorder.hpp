@@ -1,5 +1,6 @@
 #pragma once
 
+#include "gyrator/controllers/controller.hpp"
 #include "gyrator/cosim/engine.hpp"
 
 #include <string>
@@ -29,18 +30,17 @@ class TraceRecorder {
  public:
   struct Options {
     bool ledger = true;
-    bool external_effort = false;              ///< a column of its own
-    std::vector<std::string> of_controller{};  ///< what the controller tells beside its command
+    bool external_effort = false;  ///< a column of its own
   };
   /// All but the options must outlive the recorder.
-  TraceRecorder(const Plant& plant, Engine& engine, Trace& trace, Options options);
+  TraceRecorder(const Plant& plant, Engine& engine, const RunningController& controller,
+                Trace& trace, Options options);
 
   void reserve(std::size_t rows);
   /// Bytes of a row.
   double row_size() const;
-  /// A row with the held inputs u = [command; external effort]; `of_controller` as announced.
-  void record(const TraceRow& row, const std::vector<double>& of_controller,
-              const Eigen::Vector2d& u, const PlantState& state);
+  /// A row with the held inputs u = [command; external effort].
+  void record(const TraceRow& row, const Eigen::Vector2d& u, const PlantState& state);
   /// Energy stored under the held inputs [J].
   double stored(const Eigen::Vector2d& u, const PlantState& state);
 
@@ -49,9 +49,11 @@ class TraceRecorder {
 
   const Plant& plant_;
   Engine& engine_;
+  const RunningController& controller_;
   Trace& trace_;
   Options options_;
   Eigen::VectorXd z_, before_, after_;
+  std::vector<double> told_;  // by the controller
 };
 
 }  // namespace gyrator

@@ -30,6 +30,10 @@ std::vector<std::string> drive_reasons(const Assumptions& a) {
         "the controller reads a wave, not the position; shown for the same wall computed from the "
         "position"};
   std::vector<std::string> reasons;
+  if (a.predicts)
+    reasons.emplace_back(
+        "the wall is computed from a predicted position; shown for the same wall without "
+        "prediction");
   if (!a.ideal_drive) {
     reasons.push_back(fmt::format(
         "the command reaches the shaft through the circuit (A is not 1; it lags by {:.3g} s "
@@ -176,9 +180,9 @@ Assumptions test_assumptions(const Device& device, const Sampling& sampling, Por
   return a;
 }
 
-std::vector<CriterionResult> judge_textbook(const PassivityModel& model,
-                                            const Assumptions& assumptions,
+std::vector<CriterionResult> judge_textbook(const PassivityModel& model, Assumptions assumptions,
                                             StiffnessLimits& limits) {
+  assumptions.predicts = std::holds_alternative<PredictiveWall>(model.controller.law);
   const double period = model.sampling.period.to_double();
   std::vector<CriterionResult> results;
   const auto wall = find_textbook_wall(model.controller);

@@ -12,6 +12,7 @@ struct Assumptions {
   bool collocated = true;              ///< the sensor sees the port
   bool held = false;                   ///< the wall is an analog loop of the device
   bool reads_wave = false;             ///< the controller samples no motion at all
+  bool predicts = false;               ///< the wall is rendered where the device will be
   bool no_delay = true;
   bool whole_delay = true;     ///< a whole number of periods
   double falling_from_hz = 0;  ///< where Re Z starts to fall
@@ -24,8 +25,7 @@ Assumptions test_assumptions(const Device& device, const Sampling& sampling, Por
 DiscreteStateSpace make_textbook_law(const Controller& controller, double period);
 
 /// spring_damper [8.4], frequency_dependent [8.46] and quantized_coulomb [8.5] for the model.
-std::vector<CriterionResult> judge_textbook(const PassivityModel& model,
-                                            const Assumptions& assumptions,
+std::vector<CriterionResult> judge_textbook(const PassivityModel& model, Assumptions assumptions,
                                             StiffnessLimits& limits);
 
 }  // namespace gyrator

@@ -106,6 +106,14 @@ class Judge {
   }
 
   void explain(Verdict& v) const {
+    explain_outcome(v);
+    if (has_nonlinear_wrapper(model_.controller))
+      v.explanation +=
+          " Judged without passivity control and contact effects, which are not linear: simulate "
+          "shows them.";
+  }
+
+  void explain_outcome(Verdict& v) const {
     const CriterionResult* exact = nullptr;
     const CriterionResult* textbook = nullptr;
     for (const auto& criterion : v.criteria) {

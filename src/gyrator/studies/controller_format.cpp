@@ -2,6 +2,7 @@
 
 #include "gyrator/studies/environment_format.hpp"
 #include "gyrator/studies/velocity_format.hpp"
+#include "gyrator/studies/wrapper_format.hpp"
 
 #include <utility>
 
@@ -35,7 +36,9 @@ WaveEnvironment environment_of(const json& e) {
 }
 
 Law parse_law(const json& c, const ControllerSurroundings& surroundings) {
+  if (auto law = parse_environment(c, surroundings.period, surroundings.slow_period)) return *law;
   if (c["kind"] == "none") return NoController{};
+  if (c["kind"] == "predictive_wall") return parse_predictive_wall(c);
   if (c["kind"] == "wave") return WaveController{.environment = environment_of(c["environment"])};
   return VirtualWall{c["stiffness"], c["damping"],
                      parse_velocity_estimator(c["velocity"], surroundings.quantum), c["unilateral"],
@@ -79,14 +82,16 @@ std::vector<ObjectSpec> make_law_specs(const MotionTerms& terms) {
                member::variant("environment", wave_environment_specs(terms))
                    .required()
                    .doc("What lies behind the wave line."),
-           }}};
+           }},
+          make_predictive_wall_spec(terms)};
 }
 
 }  // namespace
 
 std::vector<ObjectSpec> make_controller_specs(const MotionTerms& terms) {
-  std::vector<ObjectSpec> specs = make_law_specs(terms);
-  for (auto& spec : make_environment_specs(terms)) specs.push_back(std::move(spec));
+  std::vector<ObjectSpec> laws = make_law_specs(terms);
+  for (auto& spec : make_environment_specs(terms)) laws.push_back(std::move(spec));
+  std::vector<ObjectSpec> specs = add_wrapper_specs(std::move(laws), terms);
   for (auto& spec : specs) {
     if (spec.name == "none" || spec.name == "wave") continue;
     spec.members.push_back(member::object("pre_emphasis", pre_emphasis_spec())
@@ -96,9 +101,7 @@ std::vector<ObjectSpec> make_controller_specs(const MotionTerms& terms) {
 }
 
 Controller parse_controller(const json& c, const ControllerSurroundings& surroundings) {
-  if (auto law = parse_environment(c, surroundings.period, surroundings.slow_period))
-    return {std::move(*law), {}};
-  return parse_law(c, surroundings);
+  return {parse_law(find_wrapped_law(c), surroundings), parse_wrappers(c, surroundings)};
 }
 
 }  // namespace gyrator

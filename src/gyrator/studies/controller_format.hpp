@@ -19,6 +19,7 @@ std::vector<ObjectSpec> make_controller_specs(const MotionTerms& terms);
 struct ControllerSurroundings {
   Rational period;
   double quantum = 0;                     ///< of the sensor [m, rad]
+  double inertia = 0;                     ///< that the port has by itself [kg, kg.m^2]
   std::optional<Rational> slow_period{};  ///< of a slower environment
 };
 

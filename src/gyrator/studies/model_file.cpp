@@ -12,6 +12,7 @@
 #include "gyrator/studies/model_format.hpp"
 #include "gyrator/studies/operator_format.hpp"
 #include "gyrator/studies/sampling_format.hpp"
+#include "gyrator/studies/wrapper_format.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -159,6 +160,11 @@ void check_held_impedance(const Model& model, const std::string& file) {
                 "held_impedance: the loop takes stiffness and damping from a virtual wall; use "
                 "\"controller\": {\"kind\": \"virtual_wall\"}");
   }
+  if (!model.controller.wrappers.empty()) {
+    throw Error(ErrorCode::bad_input, file + ": /controller",
+                "passivity control or contact effects with held_impedance: the analog loop takes "
+                "stiffness and damping only; leave them out");
+  }
   if (wall->unilateral) {
     throw Error(ErrorCode::bad_input, file + ": /controller/unilateral",
                 "true with held_impedance: the analog loop is linear, its wall bilateral");
@@ -230,6 +236,7 @@ void check_together(Model& model, const json& source, const json& read, const st
                     format_quantity(-1 / motor->temperature_coefficient, dimension::temperature)));
   }
   try {
+    check_wrappers(model.controller, read["controller"], model.sampling.period.to_double());
     build_device_network(model.device, FreeOperator{});
     if (auto* wave = std::get_if<WaveController>(&model.controller.law))
       connect_wave(model, *wave, read["sensor"]);
@@ -245,7 +252,8 @@ void check_together(Model& model, const json& source, const json& read, const st
   const auto* wall = std::get_if<VirtualWall>(&model.controller.law);
   if (find_held_impedance(model.device)) check_held_impedance(model, file);
   if (wall && wall->no_pull && !wall->unilateral) {
-    throw Error(ErrorCode::bad_input, file + ": /controller/no_pull",
+    throw Error(ErrorCode::bad_input,
+                fmt::format("{}: {}/no_pull", file, find_law_place(read["controller"])),
                 "true for a bilateral wall: only a unilateral wall can be kept from pulling; set "
                 "\"unilateral\": true");
   }
@@ -270,8 +278,11 @@ Model parse_model(const json& document, const std::string& file) {
   model.sensor = parse_sensor(m["sensor"]);
   model.sampling = parse_sampling(m["sampling"], file);
   model.dac = parse_dac(m["dac"]);
-  model.controller = parse_controller(m["controller"], {model.sampling.period, model.sensor.quantum,
-                                                        slow_period_of(m["sampling"])});
+  model.controller =
+      parse_controller(m["controller"], {.period = model.sampling.period,
+                                         .quantum = model.sensor.quantum,
+                                         .inertia = model.device.mechanics.inertia,
+                                         .slow_period = slow_period_of(m["sampling"])});
   model.held_by = parse_operator(m["operator"], file);
   const json& s = m["simulation"];
   model.duration = time_of(s["duration"]);

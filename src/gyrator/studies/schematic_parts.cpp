@@ -247,6 +247,15 @@ struct ControllerLines {
     return lines;
   }
 
+  BlockText operator()(const PredictiveWall& wall) const {
+    BlockText lines{"predictive wall", "K " + terms.stiffness(wall.stiffness),
+                    "B " + terms.damping(wall.damping)};
+    if (wall.prediction == PredictiveWall::Prediction::half_sample)
+      lines.emplace_back("half a sample ahead");
+    if (wall.dead_beat) lines.emplace_back("dead-beat at the surface");
+    return lines;
+  }
+
   BlockText operator()(const WaveController& wave) const {
     BlockText lines{"wave line"};
     if (const auto* wall = std::get_if<WaveWall>(&wave.environment)) {
@@ -288,6 +297,31 @@ struct ControllerLines {
 
   static void add_update(BlockText& lines, const SlowUpdate& update) {
     if (update.period) lines.push_back("every " + seconds(*update.period));
+  }
+};
+
+// What is wrapped around a law, each a block of its own behind it.
+struct WrapperLines {
+  const Terms& terms;
+
+  BlockText operator()(const PreEmphasis& /*stage*/) const { return {"pre-emphasis"}; }
+
+  BlockText operator()(const BrakingPulse& pulse) const {
+    return {"braking pulse", terms.damping(pulse.damping)};
+  }
+  BlockText operator()(const EventTransient& transient) const {
+    return {"event transient", terms.damping(transient.gain), hertz(transient.frequency_hz)};
+  }
+  BlockText operator()(const AccelerationMatching& matching) const {
+    return {"acceleration matching", "for " + terms.inertia(matching.inertia)};
+  }
+
+  BlockText operator()(const PassivityControl& control) const {
+    const bool simple = control.observer == PassivityControl::Observer::simple;
+    BlockText lines{"passivity control", simple ? "simple observer" : "reference energy"};
+    if (control.max_damping) lines.push_back("up to " + terms.damping(*control.max_damping));
+    if (control.max_effort) lines.push_back("up to " + terms.effort(*control.max_effort));
+    return lines;
   }
 };
 
@@ -381,6 +415,8 @@ ComputerParts describe_computer(const Model& model, const Terms& terms) {
     parts.sampled = Sampled::terminal_voltage;
   parts.period = "T " + seconds(model.sampling.period);
   parts.blocks.push_back(std::visit(ControllerLines{terms, held}, model.controller.law));
+  for (const Wrapper& wrapper : model.controller.wrappers)
+    parts.blocks.push_back(std::visit(WrapperLines{terms}, wrapper));
   if (model.sampling.delay > Rational(0))
     parts.blocks.push_back({"delay", seconds(model.sampling.delay)});
   parts.blocks.push_back({"hold"});

@@ -1,5 +1,6 @@
 #include "gyrator/studies/simulation_result.hpp"
 
+#include "gyrator/cosim/rate_hardness.hpp"
 #include "gyrator/mechanics/plant.hpp"
 #include "gyrator/mechanics/stability.hpp"
 #include "gyrator/studies/operating_point_fields.hpp"
@@ -147,6 +148,13 @@ void add_outcome(json& result, const TimeRun& run) {
                            {"amplitude", run.classification.amplitude}};
 }
 
+json find_first_hardness(const Model& model, const TimeRun& run) {
+  const bool even_clock = model.sampling.jitter == Rational(0);
+  if (!has_contact(model.controller.law) || !even_clock) return nullptr;
+  const auto hardness = find_rate_hardness(run.trace, model.sampling.period.to_double());
+  return hardness ? json(*hardness) : json(nullptr);
+}
+
 }  // namespace
 
 json make_simulation_result(const Model& model, const TimeRun& run) {
@@ -161,6 +169,7 @@ json make_simulation_result(const Model& model, const TimeRun& run) {
   result["stopped_early"] = run.stopped_early;
   result["seed"] = model.seed;
   add_outcome(result, run);
+  result["rate_hardness"] = find_first_hardness(model, run);
   const EnergyLedger& e = run.energy;
   result["energy"] = {{"operator", e.operator_work}, {"source", e.source},
                       {"stored", e.stored},          {"stored_initially", e.stored_initially},
