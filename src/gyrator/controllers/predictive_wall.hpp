@@ -35,7 +35,7 @@ struct DeviceModel {
 /// whose ellipse in (x, v) differs from the wall's by the factor 1 - K T^2/8m in K/m.
 ///
 /// Holds without command delay, with an ideal drive and without quantization. A hand is not in the
-/// model: its force F shows as an error F T/2m of the velocity.
+/// model: its force F shows as an error -F T/2m of the velocity.
 /// Source: Gillespie and Cutkosky 1996 [section 8.5.2]; (pred-2) and (pred-3) derived here.
 struct PredictiveWall {
   enum class Prediction { none, half_sample };
