@@ -5,7 +5,7 @@
 #include "gyrator/studies/progress.hpp"
 #include "gyrator/studies/result_parts.hpp"
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -19,6 +19,7 @@ using nlohmann::json;
 
 constexpr double oscillations = 60;  // in a run, of the wall's own
 constexpr std::int64_t most_samples = 200000;
+constexpr double growth = 1.02;  // from third to third of a run
 
 // The plane's scales, from the model.
 struct Scales {
@@ -48,6 +49,28 @@ Rational choose_duration(const Model& model, const Scales& scales, const Rationa
   return model.sampling.period * Rational(std::clamp<std::int64_t>(samples, 600, most_samples));
 }
 
+enum class After { rests, moves_on, grows };
+
+// Largest absolute value between two parts of a column, given in thirtieths of it.
+double peak(const std::vector<double>& column, std::size_t from, std::size_t to) {
+  double largest = 0;
+  for (std::size_t i = column.size() * from / 30; i < column.size() * to / 30; ++i)
+    largest = std::max(largest, std::abs(column[i]));
+  return largest;
+}
+
+// With friction a device that rests sticks, and its velocity is zero exactly. What grows does so
+// from third to third; a limit cycle that is reached from below has stopped growing by the last.
+After judge(const TimeRun& run) {
+  if (run.stopped_early) return After::grows;
+  const auto& velocity = run.trace.column("velocity");
+  if (peak(velocity, 27, 30) == 0) return After::rests;
+  const double last = peak(velocity, 20, 30);
+  const bool grows =
+      last > growth * peak(velocity, 10, 20) && last > growth * peak(velocity, 0, 10);
+  return grows ? After::grows : After::moves_on;
+}
+
 // One point of the plane, ready to be kicked.
 class Point {
  public:
@@ -59,7 +82,7 @@ class Point {
     plant_ = build_moving_plant(build_device_network(device, model.held_by));
   }
 
-  Outcome kick(double velocity, const Rational& duration) const {
+  After kick(double velocity, const Rational& duration) const {
     SimulationOptions options;
     options.duration = duration;
     // The edge between the quanta of zero and one: halves are rounded up.
@@ -68,8 +91,7 @@ class Point {
     options.external_effort = scales_.stiffness * (scales_.quantum / 2 + model_.sensor.offset);
     options.engine = choose_engine(plant_);
     options.engine_options.ledger = false;
-    return simulate(plant_, model_.sensor, controller_, model_.sampling, options)
-        .classification.outcome;
+    return judge(simulate(plant_, model_.sensor, controller_, model_.sampling, options));
   }
 
  private:
@@ -79,12 +101,11 @@ class Point {
   Plant plant_;
 };
 
-StabilityRegion combine(Outcome after_small, Outcome after_large) {
-  if (after_large == Outcome::diverges) {
-    return after_small == Outcome::settles ? StabilityRegion::locally_stable
-                                           : StabilityRegion::unstable;
+StabilityRegion combine(After small, After large) {
+  if (large == After::grows) {
+    return small == After::rests ? StabilityRegion::locally_stable : StabilityRegion::unstable;
   }
-  const bool rests = after_small == Outcome::settles && after_large == Outcome::settles;
+  const bool rests = small == After::rests && large == After::rests;
   return rests ? StabilityRegion::passive : StabilityRegion::limit_cycle;
 }
 

@@ -28,6 +28,9 @@ std::string_view name_of(StabilityRegion region);
 /// at every velocity for beta >= beta_0 and sigma >= 1/2; up to a largest velocity for sigma > 1/2
 /// alone (locally stable: sigma > 1/2 + xi'_max (beta_0 - beta)); above one for beta > beta_0 alone
 /// (limit cycles).
+/// These are worst cases. For a sinusoid of peak velocity xi' the mean of v^2 is pi/4 of the peak times
+/// the mean of |v|, and a staircase passed quickly makes no energy, so that it dies out for
+///   sigma > pi/4 xi' (beta_0 - beta)                                             (plane-2)
 /// Source: Diolaiti, Niemeyer, Barbagli and Salisbury 2006, fig. 8.8.
 StabilityRegion judge_stability_region(double beta, double sigma, double delay_in_periods,
                                        double largest_velocity);

@@ -1,7 +1,9 @@
+#include "gyrator/core/error.hpp"
 #include "gyrator/studies/result_fields.hpp"
 #include "gyrator/studies/result_figures.hpp"
 
 #include <algorithm>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -21,6 +23,8 @@ Curve region_points(const json& result, const char* region, const char* title, C
   const json& rows = required_array(result, "region", place);
   Curve curve{title, {}, {}, CurveStyle::points, colour};
   for (std::size_t i = 0; i < std::min(sigma.size(), rows.size()); ++i) {
+    if (!rows[i].is_array())
+      throw Error(ErrorCode::bad_input, place + ": /region", "must be an array of arrays");
     for (std::size_t j = 0; j < std::min(beta.size(), rows[i].size()); ++j) {
       if (rows[i][j] != region) continue;
       curve.x.push_back(beta[j]);
@@ -62,6 +66,14 @@ Figure stability_map_figure(const json& result) {
                           {0.5 + velocity * (enough - left), 0.5},
                           CurveStyle::dashed,
                           Colour::black});
+  // The same balance over a sinusoid, without the half quantum that a worst case loses per sample.
+  constexpr double mean_ratio = std::numbers::pi / 4;  // mean of v^2 over that of |v|, per peak
+  const double foot = std::max(0.0, enough - top / (mean_ratio * velocity));
+  panel.curves.push_back({fmt::format("energy of a sinusoid with vT/Δ = {:g} balanced", velocity),
+                          {foot, enough},
+                          {mean_ratio * velocity * (enough - foot), 0},
+                          CurveStyle::dashed,
+                          Colour::grey});
   panel.curves.push_back({"limit cycles to the lower right",
                           {enough, enough},
                           {0, 0.5},
@@ -69,6 +81,8 @@ Figure stability_map_figure(const json& result) {
                           Colour::black});
   panel.x_axis.min = 0;
   panel.y_axis.min = 0;
+  panel.x_axis.max = right * 1.03;  // room for the last points
+  panel.y_axis.max = top * 1.03;
   Figure figure{figure_title(result, "Stability of a sampled wall with encoder and dry friction"),
                 {panel}};
   figure.panel_width = 860;

@@ -127,4 +127,24 @@ inline nlohmann::json sample_compare() {
   return result;
 }
 
+/// A plane of two by two points, one of each region.
+inline nlohmann::json sample_stability_map() {
+  auto result = sample_base("stability-map");
+  result["beta"] = {0.25, 0.75};
+  result["sigma"] = {0.25, 0.75};
+  const auto row = [](const char* left, const char* right) {
+    return nlohmann::json::array({left, right});
+  };
+  result["region"] =
+      nlohmann::json::array({row("unstable", "limit_cycle"), row("locally_stable", "passive")});
+  result["analytic_region"] =
+      nlohmann::json::array({row("unstable", "limit_cycle"), row("unstable", "passive")});
+  result["delay_in_periods"] = 0;
+  result["small_velocity"] = 0.25;
+  result["large_velocity"] = 4;
+  result["passive_points_that_do_not_rest"] = 0;
+  result["other_points_that_rest"] = 0;
+  return result;
+}
+
 }  // namespace gyrator
