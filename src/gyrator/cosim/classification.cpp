@@ -42,6 +42,24 @@ std::vector<Cycle> find_cycles(std::span<const double> velocity) {
   return cycles;
 }
 
+// By what the swing multiplies in `time`: a straight line through its logarithm over the cycles.
+double find_growth(const std::vector<Cycle>& cycles, double time) {
+  double mean_start = 0;
+  double mean_log = 0;
+  for (const Cycle& cycle : cycles) {
+    if (!(cycle.swing > 0)) return 0;
+    mean_start += cycle.start / static_cast<double>(cycles.size());
+    mean_log += std::log(cycle.swing) / static_cast<double>(cycles.size());
+  }
+  double product = 0;
+  double square = 0;
+  for (const Cycle& cycle : cycles) {
+    product += (cycle.start - mean_start) * (std::log(cycle.swing) - mean_log);
+    square += (cycle.start - mean_start) * (cycle.start - mean_start);
+  }
+  return std::exp(product / square * time);
+}
+
 // Growth of a motion without oscillation: the ratio of its sizes in the last two of six parts. An
 // exponential grows by the same factor from part to part; a swing on its way to a peak, or back
 // from one, does not, and counts as none.
@@ -92,14 +110,16 @@ Classification classify(const std::vector<double>& position, const std::vector<d
   const double largest = half_swing(all);
   const double late = half_swing(all.last(third / 2));
   if (oscillates) {
-    const double between = cycles.back().start - cycles.front().start;
-    const double sixth = static_cast<double>(velocity.size()) / 6;
-    const double ratio = cycles.front().swing > 0 ? cycles.back().swing / cycles.front().swing : 0;
-    c.growth = std::pow(ratio, sixth / between);
+    c.growth = find_growth(cycles, static_cast<double>(velocity.size()) / 6);
     c.frequency_hz =
         static_cast<double>(cycles.size()) / ((cycles.back().end - cycles.front().start) * period);
   } else {
     c.growth = find_steady_growth(all);
+    // A single bounce that takes a third of the run and more is no rest: its size tells.
+    const double first_third = half_swing(all.first(third));
+    const double last_third = half_swing(all.last(third));
+    if (c.growth == 0 && first_third > 0 && last_third > half_swing(all) / 2)
+      c.growth = std::sqrt(last_third / first_third);
   }
   c.amplitude = half_swing(std::span(position).last(third));
   if (stopped_early) {

@@ -12,14 +12,15 @@ std::string_view name_of(Outcome outcome);
 /// How a run ends, judged by the velocity at its end (so that a device that drifts away at rest
 /// counts as settled). The velocity is cut into cycles at its upward crossings of its middle value;
 /// with the swing s of a cycle, half its peak-to-peak velocity,
-///   growth = (s_last / s_first)^(h / (t_last - t_first))                          (cls-1)
-/// over the cycles of the run's last third, per h, a sixth of the run. Where the third holds fewer
+///   growth = exp(g h), g the slope of the straight line through ln s over t,        (cls-1)
+/// over the cycles of the run's last third, h a sixth of the run. Where the third holds fewer
 /// than two cycles, the last two thirds are taken, then the whole run. Without two cycles
 /// anywhere the motion does not oscillate: its growth is the ratio of its sizes in the last two
-/// sixths, and counts only if it has grown from sixth to sixth without slowing down.
-/// Diverges above `growth_limit`, or where the run was stopped; settles below 1/`growth_limit`, or
-/// where the last swing is below `rest_fraction` of the run's largest; else a sustained
-/// oscillation.
+/// sixths if it has grown from sixth to sixth without slowing down; else, where the last third
+/// still has half of the largest swing (one bounce that takes most of the run), the root of what
+/// the swing has multiplied by from the first third to the last; else zero. Diverges above
+/// `growth_limit`, or where the run was stopped; settles below 1/`growth_limit`, or where the last
+/// swing is below `rest_fraction` of the run's largest; else a sustained oscillation.
 struct ClassificationOptions {
   double growth_limit = 1.02;
   double rest_fraction = 1e-4;

@@ -118,6 +118,35 @@ TEST(Classification, a_swing_below_the_rest_fraction_of_the_largest_is_rest) {
   }
 }
 
+// Velocity and height of a ball under 1 g whose bounces leave with `factor` times the speed.
+Motion bounce(double factor, double seconds) {
+  Motion m;
+  double height = 0;
+  double v = 1;
+  for (int k = 0; k < seconds / T; ++k) {
+    v -= 9.81 * T;
+    height += v * T;
+    if (height < 0 && v < 0) v *= -factor;
+    m.velocity.push_back(v);
+    m.position.push_back(height);
+  }
+  return m;
+}
+
+TEST(Classification, a_ball_that_flies_for_most_of_the_run_does_not_rest) {
+  EXPECT_EQ(judge(bounce(4, 1.5)).outcome, Outcome::diverges);  // flights of 0.2, 0.8, 3.3 s
+  EXPECT_EQ(judge(bounce(2, 4)).outcome, Outcome::diverges);
+  EXPECT_EQ(judge(bounce(1, 1.5)).outcome, Outcome::limit_cycle);
+  EXPECT_EQ(judge(bounce(0.9, 1.5)).outcome, Outcome::settles);
+}
+
+TEST(Classification, a_swing_that_is_measured_unevenly_is_averaged) {
+  // The last cycle alone is 6 % smaller than the first of the window.
+  Motion m = oscillate(10, 0, 3000);
+  for (std::size_t i = 2880; i < m.velocity.size(); ++i) m.velocity[i] *= 0.94;
+  EXPECT_EQ(judge(m).outcome, Outcome::limit_cycle);
+}
+
 TEST(Classification, measures_amplitude_and_frequency_of_a_cycle) {
   for (const double hz : {11.0, 40.0, 137.3}) {
     const Classification c = judge(oscillate(hz, 0, 3000));
