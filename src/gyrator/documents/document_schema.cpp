@@ -1,7 +1,11 @@
 #include "gyrator/documents/document_schema.hpp"
 
 #include "gyrator/core/text.hpp"
+#include "gyrator/documents/shared_schema.hpp"
 
+#include <algorithm>
+#include <cstddef>
+#include <map>
 #include <utility>
 
 namespace gyrator {
@@ -15,6 +19,10 @@ using Json = nlohmann::ordered_json;
 constexpr const char* quantity_pattern = R"(^\s*[+-]?(\d+(\.\d+)?|\.\d+)([eE][+-]?\d+)?)";
 
 Json write_value(const Member& member);
+
+Json write_quantity_text() {
+  return {{"type", "string"}, {"pattern", quantity_pattern}};
+}
 
 void add_bounds(Json& schema, const Member& member) {
   if (member.low)
@@ -108,8 +116,7 @@ Json write_value(const Member& member) {
     case ValueKind::time: {
       Json number = {{"type", "number"}};
       add_bounds(number, member);
-      const Json text = {{"type", "string"}, {"pattern", quantity_pattern}};
-      return {{"anyOf", Json::array({number, text})}};
+      return {{"anyOf", Json::array({number, write_quantity_text()})}};
     }
     case ValueKind::integer: {
       Json number = {{"type", "integer"}};
@@ -136,6 +143,29 @@ Json write_value(const Member& member) {
   return {};
 }
 
+constexpr std::size_t line_width = 100;
+
+// The JSON on one line where it fits, which keeps what belongs together on the screen; else every
+// key or item on lines of its own. `width` is what is left of the line.
+std::string write_lines(const Json& value, std::size_t indent, std::size_t width) {
+  if (!value.is_structured()) return value.dump();
+  std::vector<std::string> line;
+  std::vector<std::string> block;
+  for (const auto& [key, child] : value.items()) {
+    const std::string name = value.is_object() ? Json(key).dump() + ": " : "";
+    line.push_back(name + write_lines(child, 0, std::string::npos));
+    if (width == std::string::npos) continue;
+    const std::size_t used = std::min(line_width, indent + 2 + name.size());
+    block.push_back(name + write_lines(child, indent + 2, line_width - used));
+  }
+  const char open = value.is_object() ? '{' : '[';
+  const char close = value.is_object() ? '}' : ']';
+  const std::string whole = open + join(line, ", ") + close;
+  if (whole.size() <= width) return whole;
+  const std::string start = "\n" + std::string(indent + 2, ' ');
+  return open + start + join(block, "," + start) + "\n" + std::string(indent, ' ') + close;
+}
+
 }  // namespace
 
 std::string write_json_schema(const ObjectSpec& spec, const std::string& id) {
@@ -143,6 +173,11 @@ std::string write_json_schema(const ObjectSpec& spec, const std::string& id) {
 }
 
 std::string write_json_schema(const Member& root, const std::string& id) {
+  const std::map<std::string, Json> named = {{"quantity", write_quantity_text()}};
+  return write_lines(build_shared_schema(build_json_schema(root, id), named), 0, line_width) + "\n";
+}
+
+nlohmann::ordered_json build_json_schema(const Member& root, const std::string& id) {
   // Draft-07 is what VS Code validates and completes in full; under 2020-12 it long gave only a
   // warning and completed little below the root. Nothing here needs the newer draft.
   Json schema = {{"$schema", "http://json-schema.org/draft-07/schema#"}, {"$id", id}};
@@ -154,7 +189,7 @@ std::string write_json_schema(const Member& root, const std::string& id) {
     body["properties"]["$schema"] = editor_key;
   }
   schema.update(body);
-  return schema.dump(2) + "\n";
+  return schema;
 }
 
 }  // namespace gyrator

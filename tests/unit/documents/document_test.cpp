@@ -353,7 +353,7 @@ TEST(ReadDocument, root_may_be_a_variant_with_a_default_kind) {
 }
 
 TEST(WriteJsonSchema, has_each_member_with_its_type_bounds_and_default) {
-  const json schema = json::parse(write_json_schema(make_device(), "gyrator/device/1"));
+  const json schema = build_json_schema(member::object("", make_device()), "gyrator/device/1");
   EXPECT_EQ(schema["$id"], "gyrator/device/1");
   EXPECT_EQ(schema["additionalProperties"], false);
   EXPECT_EQ(schema["required"], json({"motor"}));
@@ -374,7 +374,7 @@ TEST(WriteJsonSchema, has_each_member_with_its_type_bounds_and_default) {
 }
 
 TEST(WriteJsonSchema, variant_is_one_of_objects_with_a_constant_kind) {
-  const json schema = json::parse(write_json_schema(make_device(), "x"));
+  const json schema = build_json_schema(member::object("", make_device()), "x");
   const json& kinds = schema["properties"]["damping"]["items"]["oneOf"];
   ASSERT_EQ(kinds.size(), 3U);
   EXPECT_EQ(kinds[1]["properties"]["kind"]["const"], "rc");
@@ -385,7 +385,7 @@ TEST(WriteJsonSchema, variant_is_one_of_objects_with_a_constant_kind) {
 }
 
 TEST(WriteJsonSchema, default_kind_need_not_be_written) {
-  const json schema = json::parse(write_json_schema(make_two_forms(), "x"));
+  const json schema = build_json_schema(make_two_forms(), "x");
   EXPECT_EQ(schema["oneOf"][0]["required"], json({"stiffness"}));
   EXPECT_EQ(schema["oneOf"][1]["required"], json({"motion", "stiffness"}));
 }
@@ -420,6 +420,48 @@ TEST(WriteManualTable, objects_alike_share_a_section) {
             std::string::npos)
       << manual;
   EXPECT_EQ(manual.find("Backward."), manual.rfind("Backward."));
+}
+
+TEST(WriteManualTable, places_that_differ_in_one_choice_are_written_as_one) {
+  const ObjectSpec fast{"fast", "Quick.", {member::integer("order").required()}};
+  const Member with_fast = member::variant("filter", {fast, {"none", "Nothing.", {}}});
+  const auto law = [&](const char* name) { return ObjectSpec{name, "A law.", {with_fast}}; };
+  const Member root = member::variant(
+      "",
+      {{"rotary",
+        "",
+        {member::variant("law", {law("a"), law("b"), {"c", "", {}}}), member::boolean("only")}},
+       {"linear", "", {member::variant("law", {law("a"), law("b"), {"c", "", {}}})}}},
+      "motion");
+  const std::string manual = write_manual_table(root);
+  EXPECT_NE(manual.find("### `(*).law(a, b).filter` with `\"kind\": \"fast\"`\n\nQuick."),
+            std::string::npos)
+      << manual;
+  EXPECT_EQ(manual.find("Quick."), manual.rfind("Quick."));
+}
+
+TEST(WriteManualTable, object_that_lacks_a_key_shares_the_section_and_is_told) {
+  const Member one = member::integer("one");
+  const Member two = member::integer("two");
+  const Member extra = member::integer("extra");
+  const auto law = [](std::vector<Member> members) {
+    return std::vector<ObjectSpec>{{"wall", "A wall.", std::move(members)}};
+  };
+  const auto manual_of = [&](std::vector<Member> inner) {
+    return write_manual_table(ObjectSpec{"",
+                                         "",
+                                         {member::variant("law", law({one, extra, two})),
+                                          member::variant("inner", law(std::move(inner)))}});
+  };
+  const std::string shared = manual_of({one, two});
+  EXPECT_NE(shared.find("### `law`, `inner` with `\"kind\": \"wall\"`\n"), std::string::npos)
+      << shared;
+  EXPECT_NE(shared.find("\nIn `inner` without `extra`.\n"), std::string::npos) << shared;
+  // In another order, with another row, or with little in common: a table of its own.
+  for (const auto& inner : std::vector<std::vector<Member>>{
+           {two, one}, {one, member::integer("two").required()}, {one, two, extra, one}, {one}}) {
+    EXPECT_NE(manual_of(inner).find("### `inner` with"), std::string::npos) << manual_of(inner);
+  }
 }
 
 TEST(WriteManualTable, bar_inside_a_cell_is_escaped) {
