@@ -41,6 +41,8 @@ class DiscreteLawState {
 
   /// As if the input had been y for ever.
   void settle(const DiscreteStateSpace& law, double y) { q_ = law.settled_state(y); }
+  /// The same with the law's settled_state(1), found beforehand: allocates nothing.
+  void settle(const Eigen::VectorXd& settled_at_one, double y) { q_ = y * settled_at_one; }
 
   /// Output for the input y, and advance by one sample.
   double step(const DiscreteStateSpace& law, double y) {

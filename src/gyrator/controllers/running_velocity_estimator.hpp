@@ -51,13 +51,15 @@ class RunningDifference {
 /// Any linear estimator, by its law.
 class RunningVelocityLaw {
  public:
-  explicit RunningVelocityLaw(DiscreteStateSpace law) : law_(std::move(law)), state_(law_) {}
-  void settle(double y) { state_.settle(law_, y); }
+  explicit RunningVelocityLaw(DiscreteStateSpace law)
+      : law_(std::move(law)), state_(law_), settled_at_one_(law_.settled_state(1)) {}
+  void settle(double y) { state_.settle(settled_at_one_, y); }
   double step(double y) { return state_.step(law_, y); }
 
  private:
   DiscreteStateSpace law_;
   DiscreteLawState state_;
+  Eigen::VectorXd settled_at_one_;
 };
 
 /// (est-4), in one pass over the window: a line from y[k] with slope s passes within d of y[k-i] if
