@@ -141,8 +141,9 @@ void add_simulate_command(CLI::App& app, int&) {
                      "gyrator simulate examples/rc_display.json --csv trace.csv --png trace.png");
   command
       ->add_option("--engine", options->engine,
-                   "exact (matrix exponentials, linear models only), cvode (reference) or odeint; "
-                   "by default exact where the model is linear, cvode where not")
+                   "exact (matrix exponentials; linear models, and those that friction, stops and "
+                   "limits make linear in pieces), cvode (reference) or odeint; by default exact "
+                   "where it applies, else cvode")
       ->type_name("NAME")
       ->check(not_empty());
   command->add_option("--duration", options->duration, "Simulated time instead of the model's")

@@ -2,6 +2,7 @@
 #include "gyrator/documents/csv.hpp"
 #include "gyrator/studies/stability_map.hpp"
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <memory>
@@ -82,9 +83,8 @@ void run(const Options& options) {
       for (std::size_t j = 0; j < request.beta.size(); ++j) {
         const auto number = [&](const char* key) {
           const std::string name = result[key][i][j];
-          double at = 0;
-          while (regions[static_cast<std::size_t>(at)] != name) ++at;
-          return at;
+          const auto at = std::find(regions.begin(), regions.end(), name);
+          return static_cast<double>(at - regions.begin());
         };
         columns[0].push_back(request.beta[j]);
         columns[1].push_back(request.sigma[i]);

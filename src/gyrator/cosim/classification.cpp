@@ -9,6 +9,7 @@ namespace {
 
 // Growth is told from at least this many cycles.
 constexpr std::size_t fewest_cycles = 2;
+constexpr double certain = 3;  // standard errors
 
 double half_swing(std::span<const double> values) {
   if (values.empty()) return 0;
@@ -42,12 +43,17 @@ std::vector<Cycle> find_cycles(std::span<const double> velocity) {
   return cycles;
 }
 
-// By what the swing multiplies in `time`: a straight line through its logarithm over the cycles.
-double find_growth(const std::vector<Cycle>& cycles, double time) {
+// By what the swing multiplies in `time`, and what that is known to: a straight line through its
+// logarithm over the cycles.
+struct Growth {
+  double factor = 0;
+  double error = 0;  ///< standard error of ln factor, from the scatter around the line
+};
+Growth find_growth(const std::vector<Cycle>& cycles, double time) {
   double mean_start = 0;
   double mean_log = 0;
   for (const Cycle& cycle : cycles) {
-    if (!(cycle.swing > 0)) return 0;
+    if (!(cycle.swing > 0)) return {};
     mean_start += cycle.start / static_cast<double>(cycles.size());
     mean_log += std::log(cycle.swing) / static_cast<double>(cycles.size());
   }
@@ -57,7 +63,14 @@ double find_growth(const std::vector<Cycle>& cycles, double time) {
     product += (cycle.start - mean_start) * (std::log(cycle.swing) - mean_log);
     square += (cycle.start - mean_start) * (cycle.start - mean_start);
   }
-  return std::exp(product / square * time);
+  const double slope = product / square;
+  double scatter = 0;
+  for (const Cycle& cycle : cycles) {
+    const double off = std::log(cycle.swing) - mean_log - slope * (cycle.start - mean_start);
+    scatter += off * off;
+  }
+  const double freedom = std::max(1.0, static_cast<double>(cycles.size()) - 2);
+  return {std::exp(slope * time), std::sqrt(scatter / freedom / square) * time};
 }
 
 // Growth of a motion without oscillation: the ratio of its sizes in the last two of six parts. An
@@ -107,10 +120,13 @@ Classification classify(const std::vector<double>& position, const std::vector<d
     if (cycles.size() >= fewest_cycles) break;
   }
   const bool oscillates = cycles.size() >= fewest_cycles;
+  bool known = true;  // whether growth stands out from the scatter of the cycles
   const double largest = half_swing(all);
   const double late = half_swing(all.last(third / 2));
   if (oscillates) {
-    c.growth = find_growth(cycles, static_cast<double>(velocity.size()) / 6);
+    const Growth found = find_growth(cycles, static_cast<double>(velocity.size()) / 6);
+    c.growth = found.factor;
+    if (found.factor > 0) known = std::abs(std::log(found.factor)) > certain * found.error;
     c.frequency_hz =
         static_cast<double>(cycles.size()) / ((cycles.back().end - cycles.front().start) * period);
   } else {
@@ -124,6 +140,8 @@ Classification classify(const std::vector<double>& position, const std::vector<d
   c.amplitude = half_swing(std::span(position).last(third));
   if (stopped_early) {
     c.outcome = Outcome::diverges;
+  } else if (!known && late > options.rest_fraction * largest) {
+    c.outcome = Outcome::limit_cycle;
   } else if (late <= options.rest_fraction * largest || c.growth < 1 / options.growth_limit ||
              (!oscillates && c.growth <= options.growth_limit)) {
     c.outcome = Outcome::settles;

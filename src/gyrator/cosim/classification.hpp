@@ -13,14 +13,16 @@ std::string_view name_of(Outcome outcome);
 /// counts as settled). The velocity is cut into cycles at its upward crossings of its middle value;
 /// with the swing s of a cycle, half its peak-to-peak velocity,
 ///   growth = exp(g h), g the slope of the straight line through ln s over t,        (cls-1)
-/// over the cycles of the run's last third, h a sixth of the run. Where the third holds fewer
-/// than two cycles, the last two thirds are taken, then the whole run. Without two cycles
-/// anywhere the motion does not oscillate: its growth is the ratio of its sizes in the last two
-/// sixths if it has grown from sixth to sixth without slowing down; else, where the last third
-/// still has half of the largest swing (one bounce that takes most of the run), the root of what
-/// the swing has multiplied by from the first third to the last; else zero. Diverges above
-/// `growth_limit`, or where the run was stopped; settles below 1/`growth_limit`, or where the last
-/// swing is below `rest_fraction` of the run's largest; else a sustained oscillation.
+/// over the cycles of the run's last third, h a sixth of the run. A growth that does not stand out
+/// from the scatter of the swings by three standard errors is none: a motion kept up by noise or by
+/// a restless hand is a sustained one. Where the third holds fewer than two cycles, the last two
+/// thirds are taken, then the whole run. Without two cycles anywhere the motion does not oscillate:
+/// its growth is the ratio of its sizes in the last two sixths if it has grown from sixth to sixth
+/// without slowing down; else, where the last third still has half of the largest swing (one bounce
+/// that takes most of the run), the root of what the swing has multiplied by from the first third
+/// to the last; else zero. Diverges above `growth_limit`, or where the run was stopped; settles
+/// below 1/`growth_limit`, or where the last swing is below `rest_fraction` of the run's largest;
+/// else a sustained oscillation.
 struct ClassificationOptions {
   double growth_limit = 1.02;
   double rest_fraction = 1e-4;

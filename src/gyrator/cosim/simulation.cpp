@@ -44,6 +44,7 @@ class Run {
     }
     if (options.gesture) gesture_.emplace(*options.gesture, options.seed);
     state_.xi = plant.initial_state(options.initial_position, options.initial_velocity);
+    if (plant.states() > 0) pushing_ = plant.B.col(1).cwiseAbs().maxCoeff();
     jumps_cost_energy_ = options.engine_options.ledger && !plant.energy.source_jump.isZero(0);
     jump_.resize(plant.states() + 2 * plant.inputs());
     at_sample_ = state_;
@@ -99,6 +100,9 @@ class Run {
       const double mean = gesture_->mean_effort(t, clock_.time_of_next(k_), clock_.period());
       hold({u_(0), options_.external_effort + mean});
     }
+    // An effort that sets in late is no runaway: what it moves in a period counts as a start.
+    const double pushed = pushing_ * std::abs(u_(1)) * clock_.period();
+    reference_size_ = std::max(reference_size_, pushed);
     if (options_.record && (k_ % options_.record_every == 0 || last || !usable)) {
       sample_rows_.push_back(run_.trace.columns.front().size());
       record(t, path_.is_due(k_, clock_.offset()) ? path_.next_value() : u_(0));
@@ -248,6 +252,7 @@ class Run {
   int whole_segment_ = -1, first_segment_ = -1;
   bool jumps_cost_energy_ = false;
   double reference_size_ = 0;
+  double pushing_ = 0;  ///< largest rate of a state per external effort
   Eigen::VectorXd jump_, before_;
 };
 

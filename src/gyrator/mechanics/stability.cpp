@@ -158,12 +158,17 @@ std::optional<std::size_t> find_active_culprit(const Device& device, const Opera
 
 }  // namespace
 
+// Of a device without damping every pole is rounding of zero. What doubles in twenty years is
+// stable.
+constexpr double slowest_growth = 1e-9;  // [rad/s]
+
 std::optional<UnstablePole> find_unstable_pole(const DeviceNetwork& device) {
   const Modes modes(device);
   if (modes.count() == 0) return std::nullopt;
   Index worst = 0;
   const double largest = modes.poles().real().maxCoeff(&worst);
-  if (!(largest > 1e-9 * modes.poles().cwiseAbs().maxCoeff())) return std::nullopt;
+  const double fastest = modes.poles().cwiseAbs().maxCoeff();
+  if (!(largest > std::max(slowest_growth, 1e-9 * fastest))) return std::nullopt;
   return UnstablePole{largest, std::abs(modes.poles()(worst).imag()), modes.main_element(worst)};
 }
 

@@ -23,6 +23,7 @@ class MassSearch {
   MassSearch(const PassivityModel& model, VirtualCoupling coupling)
       : coupling_(std::move(coupling)),
         period_(model.sampling.period.to_double()),
+        output_(make_output_law(model.controller)),
         disk_(model.device, model.sampling),
         grid_(make_judging_grid(disk_.model().poles(), period_)),
         plant_(sample_plant(build_plant(build_device_network(model.device, FreeOperator{})),
@@ -52,11 +53,11 @@ class MassSearch {
  private:
   bool holds(double mass) {
     coupling_.tool_inertia = mass;
-    if (!holds_for(make_coupling_law(coupling_, period_))) return false;
+    if (!holds_for(in_series(make_coupling_law(coupling_, period_), output_))) return false;
     if (!coupling_.wall) return true;
     VirtualCoupling free = coupling_;
     free.wall.reset();
-    return holds_for(make_coupling_law(free, period_));
+    return holds_for(in_series(make_coupling_law(free, period_), output_));
   }
 
   bool holds_for(const DiscreteStateSpace& law) {
@@ -88,6 +89,7 @@ class MassSearch {
 
   VirtualCoupling coupling_;
   double period_;
+  DiscreteStateSpace output_;  // of the linear wrappers
   AliasedDisk disk_;
   std::vector<double> grid_;
   std::vector<DiskPoint> points_;

@@ -215,6 +215,11 @@ void connect_pre_emphasis(Model& model, const json& stage) {
   model.controller.wrappers.emplace_back(make_pre_emphasis(roots.poles, roots.zeros, band, period));
 }
 
+// What the operator moves with the port itself.
+double port_inertia(const Mechanics& mechanics) {
+  return mechanics.transmission ? mechanics.transmission->load_inertia : mechanics.inertia;
+}
+
 // What no single key can tell.
 void check_together(Model& model, const json& source, const json& read, const std::string& file) {
   const bool ideal = std::holds_alternative<IdealDrive>(model.device.drive.amplifier);
@@ -281,7 +286,7 @@ Model parse_model(const json& document, const std::string& file) {
   model.controller =
       parse_controller(m["controller"], {.period = model.sampling.period,
                                          .quantum = model.sensor.quantum,
-                                         .inertia = model.device.mechanics.inertia,
+                                         .inertia = port_inertia(model.device.mechanics),
                                          .slow_period = slow_period_of(m["sampling"])});
   model.held_by = parse_operator(m["operator"], file);
   const json& s = m["simulation"];

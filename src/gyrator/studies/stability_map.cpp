@@ -18,6 +18,7 @@ namespace {
 using nlohmann::json;
 
 constexpr double oscillations = 60;  // in a run, of the wall's own
+constexpr std::int64_t fewest_samples = 600;
 constexpr std::int64_t most_samples = 200000;
 constexpr double growth = 1.02;  // from third to third of a run
 
@@ -36,17 +37,28 @@ Scales find_scales(const Model& model) {
   if (!(model.sensor.quantum > 0)) {
     refuse("sensor/quantum", "0: the map is that of a quantized position: give the encoder's step");
   }
+  if (has_nonlinear_wrapper(model.controller)) {
+    refuse("controller",
+           "the map is that of the wall alone: leave passivity control and contact effects out");
+  }
+  if (model.gesture)
+    refuse("simulation/gesture", "the map kicks the device itself: leave the gesture out");
   const double period = model.sampling.period.to_double();
   return {wall->stiffness, period, model.sensor.quantum, model.sampling.delay.to_double() / period};
 }
 
 Rational choose_duration(const Model& model, const Scales& scales, const Rational& asked) {
-  if (asked > Rational(0)) return asked;
+  if (asked > Rational(0)) {
+    if (floor_divide(asked, model.sampling.period) >= fewest_samples) return asked;
+    throw Error(ErrorCode::bad_input, "--duration",
+                fmt::format("{:g} s: must be at least {} sample periods to tell rest from growth",
+                            asked.to_double(), fewest_samples));
+  }
   double inertia = model.device.mechanics.inertia;
   if (const auto& t = model.device.mechanics.transmission) inertia += t->load_inertia;
   const double oscillation = 2 * std::numbers::pi * std::sqrt(inertia / scales.stiffness);
   const auto samples = static_cast<std::int64_t>(oscillations * oscillation / scales.period);
-  return model.sampling.period * Rational(std::clamp<std::int64_t>(samples, 600, most_samples));
+  return model.sampling.period * Rational(std::clamp(samples, fewest_samples, most_samples));
 }
 
 enum class After { rests, moves_on, grows };
@@ -78,6 +90,7 @@ class Point {
       : model_(model), scales_(scales), controller_(keep_in_contact(model.controller)) {
     Device device = model.device;
     device.mechanics.damping = beta * scales.stiffness * scales.period;
+    device.mechanics.stiction.reset();
     device.mechanics.coulomb_friction = sigma * scales.stiffness * scales.quantum;
     plant_ = build_moving_plant(build_device_network(device, model.held_by));
   }
@@ -89,6 +102,8 @@ class Point {
     options.initial_position = scales_.quantum / 2 - model_.sensor.offset;
     options.initial_velocity = velocity * scales_.quantum / scales_.period;
     options.external_effort = scales_.stiffness * (scales_.quantum / 2 + model_.sensor.offset);
+    options.dac = model_.dac;
+    options.seed = model_.seed;
     options.engine = choose_engine(plant_);
     options.engine_options.ledger = false;
     return judge(simulate(plant_, model_.sensor, controller_, model_.sampling, options));

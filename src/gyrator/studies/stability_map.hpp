@@ -28,8 +28,8 @@ std::string_view name_of(StabilityRegion region);
 /// at every velocity for beta >= beta_0 and sigma >= 1/2; up to a largest velocity for sigma > 1/2
 /// alone (locally stable: sigma > 1/2 + xi'_max (beta_0 - beta)); above one for beta > beta_0 alone
 /// (limit cycles).
-/// These are worst cases. For a sinusoid of peak velocity xi' the mean of v^2 is pi/4 of the peak times
-/// the mean of |v|, and a staircase passed quickly makes no energy, so that it dies out for
+/// These are worst cases. For a sinusoid of peak velocity xi' the mean of v^2 is pi/4 of the peak
+/// times the mean of |v|, and a staircase passed quickly makes no energy, so that it dies out for
 ///   sigma > pi/4 xi' (beta_0 - beta)                                             (plane-2)
 /// Source: Diolaiti, Niemeyer, Barbagli and Salisbury 2006, fig. 8.8.
 StabilityRegion judge_stability_region(double beta, double sigma, double delay_in_periods,
@@ -46,7 +46,8 @@ struct StabilityMapRequest {
 /// Simulated regions (`gyrator stability-map`) over the plane: the model's device with b = beta K T
 /// and f_c = sigma K Delta in place of its own, its wall kept in contact, and the constant hand
 /// effort K Delta/2 that puts the equilibrium on the edge between two quanta. Throws bad_input for
-/// a model without a virtual wall, without stiffness or without an encoder quantum.
+/// a model without a virtual wall, without stiffness or without an encoder quantum, with a
+/// gesture, or with wrappers that are not linear.
 nlohmann::json make_stability_map_result(const Model& model, const StabilityMapRequest& request);
 
 }  // namespace gyrator
