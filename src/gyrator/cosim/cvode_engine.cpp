@@ -1,15 +1,13 @@
-#include "gyrator/circuits/state_space.hpp"
 #include "gyrator/core/error.hpp"
 #include "gyrator/cosim/contact_switch.hpp"
 #include "gyrator/cosim/engine.hpp"
-#include "gyrator/mechanics/plant_dynamics.hpp"
+#include "gyrator/cosim/ledger_equations.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <exception>
 #include <memory>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -69,31 +67,12 @@ class CvodeEngine final : public Engine {
       : Engine(plant),
         plant_(plant),
         options_(options),
+        equations_(plant_, options.ledger),
+        contacts_(equations_.contacts()),
         n_(plant.states()),
-        size_(plant.states() + 3),
-        z_(plant.states() + plant.inputs()),
+        size_(equations_.size()),
         scales_(plant_) {
-    forms_[0] = plant.energy.operator_work;
-    forms_[1] = plant.energy.source;
-    forms_[2] = plant.energy.dissipated;
-    if (plant_.nonlinear) {
-      dynamics_.emplace(plant_);
-      fastest_ = dynamics_->find_fastest_rate();
-      bends_ = dynamics_->find_state_sizes();
-      if (plant_.nonlinear->contacts) {
-        contacts_.emplace(plant_);
-        contact_columns_ = plant_.nonlinear->B.middleCols(2, 3);
-        for (const Modes& modes : contacts_->touching()) {
-          contacts_->enter(modes);
-          const Eigen::VectorXcd poles =
-              compute_poles(plant_.A + contact_columns_ * contacts_->closed().leftCols(n_));
-          fastest_ = std::max(fastest_, poles.cwiseAbs().maxCoeff());
-        }
-      }
-    } else {
-      const Eigen::VectorXcd poles = compute_poles(plant.A);
-      fastest_ = poles.size() > 0 ? poles.cwiseAbs().maxCoeff() : 0;
-    }
+    if (equations_.dynamics()) bends_ = equations_.dynamics()->find_state_sizes();
     sizes_ = Eigen::VectorXd::Ones(size_);
     y_.reset(N_VNew_Serial(size_, context_));
   }
@@ -114,9 +93,7 @@ class CvodeEngine final : public Engine {
     longest_ = std::max(longest_, interval);
     if (!memory_) set_up();
     set_sizes(state, u);
-    z_.segment(n_, 2) = u;
-    u_ = u;
-    started_ = time;
+    equations_.begin(u, time);
     double* y = N_VGetArrayPointer(y_.get());
     for (Eigen::Index i = 0; i < n_; ++i) y[i] = state.xi(i);
     for (Eigen::Index i = n_; i < size_; ++i) y[i] = 0;
@@ -139,20 +116,18 @@ class CvodeEngine final : public Engine {
     if (scales_.states().size() == 0) set_sizes(state, u);
     for (int changes = 0; changes < most_changes; ++changes) {
       contacts_->enter(modes);
-      z_.head(n_) = xi;
-      z_.tail(plant_.inputs()) = dynamics_->solve(xi, u);
-      contacts_->close(z_);
+      equations_.close(xi, u);
       const int crossed = find_violated();
       if (crossed < 0) break;
       contacts_->change(crossed, modes, xi);
     }
-    inputs_ = z_.tail(plant_.inputs());
+    inputs_ = equations_.z().tail(plant_.inputs());
     return inputs_;
   }
 
  private:
   void set_up() {
-    const bool stiff = fastest_ * longest_ > stiff_ratio;
+    const bool stiff = equations_.fastest_rate() * longest_ > stiff_ratio;
     shifts_.assign(ContactSwitch::most_guards, 0);
     memory_.reset(CVodeCreate(stiff ? CV_BDF : CV_ADAMS, context_));
     check(CVodeInit(memory_.get(), right_hand_side, 0.0, y_.get()), "CVodeInit", 0);
@@ -203,40 +178,14 @@ class CvodeEngine final : public Engine {
         fmt::format("the cvode engine gave up ({} returned {}{}{}); {}raise --max-steps or the "
                     "tolerance",
                     function, CVodeGetReturnFlagName(flag), message_.empty() ? "" : ": ", message_,
-                    dynamics_ ? "" : "use the exact engine, or "));
+                    equations_.dynamics() ? "" : "use the exact engine, or "));
   }
 
   // C callbacks. Nothing is thrown through SUNDIALS: an exception is kept and rethrown after.
   static int right_hand_side(double t, N_Vector y, N_Vector ydot, void* self_pointer) {
     auto& self = *static_cast<CvodeEngine*>(self_pointer);
     try {
-      const double* state = N_VGetArrayPointer(y);
-      double* rate = N_VGetArrayPointer(ydot);
-      const Eigen::Index n = self.n_;
-      double* z = self.z_.data();
-      for (Eigen::Index i = 0; i < n; ++i) z[i] = state[i];
-      if (self.dynamics_) {
-        self.evaluate_nonlinear(t, rate);
-        return 0;
-      }
-      const double* a = self.plant_.A.data();
-      const double* b = self.plant_.B.data();
-      for (Eigen::Index i = 0; i < n; ++i) rate[i] = b[i] * z[n] + b[n + i] * z[n + 1];
-      for (Eigen::Index j = 0; j < n; ++j, a += n) {
-        for (Eigen::Index i = 0; i < n; ++i) rate[i] += a[i] * z[j];
-      }
-      for (std::size_t f = 0; f < 3; ++f) {
-        double power = 0;
-        if (self.options_.ledger) {
-          const double* q = self.forms_[f].data();
-          for (Eigen::Index j = 0; j < n + 2; ++j, q += n + 2) {
-            double sum = 0;
-            for (Eigen::Index i = 0; i < n + 2; ++i) sum += q[i] * z[i];
-            power += sum * z[j];
-          }
-        }
-        rate[n + static_cast<Eigen::Index>(f)] = power;
-      }
+      self.equations_.compute_rate(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot));
       return 0;
     } catch (...) {
       self.failure_ = std::current_exception();
@@ -247,81 +196,21 @@ class CvodeEngine final : public Engine {
   static int jacobian(double t, N_Vector y, N_Vector /*fy*/, SUNMatrix J, void* self_pointer,
                       N_Vector, N_Vector, N_Vector) {
     auto& self = *static_cast<CvodeEngine*>(self_pointer);
-    if (self.dynamics_) {
-      try {
-        self.fill_nonlinear_jacobian(t, N_VGetArrayPointer(y), J);
-        return 0;
-      } catch (...) {
-        self.failure_ = std::current_exception();
-        return -1;
-      }
-    }
-    const Eigen::Index n = self.n_;
-    const Eigen::Map<const Eigen::VectorXd> state(N_VGetArrayPointer(y), n);
-    self.z_.head(n) = state;
-    Eigen::Map<Eigen::MatrixXd> out(SUNDenseMatrix_Data(J), self.size_, self.size_);
-    out.setZero();
-    out.topLeftCorner(n, n) = self.plant_.A;
-    if (self.options_.ledger) {
-      for (std::size_t f = 0; f < 3; ++f) {
-        out.row(n + static_cast<Eigen::Index>(f)).head(n) =
-            2 * (self.forms_[f] * self.z_).head(n).transpose();
-      }
-    }
-    return 0;
-  }
-
-  void solve_ports(double t) {
-    xi_ = z_.head(n_);
     try {
-      z_.tail(plant_.inputs()) = dynamics_->solve(xi_, u_);
-    } catch (const Error& error) {
-      throw Error(error.code(), fmt::format("t = {:.9g} s: {}", started_ + t, error.place()),
-                  error.message());
-    }
-    if (contacts_) contacts_->close(z_);
-  }
-
-  void evaluate_nonlinear(double t, double* rate) {
-    solve_ports(t);
-    Eigen::Map<Eigen::VectorXd> out(rate, size_);
-    out.head(n_) = dynamics_->rate(xi_);
-    if (contacts_) out.head(n_).noalias() += contact_columns_ * z_.segment<3>(n_ + 2);
-    for (std::size_t f = 0; f < 3; ++f) {
-      power_.noalias() = forms_[f] * z_;
-      out(n_ + static_cast<Eigen::Index>(f)) = options_.ledger ? z_.dot(power_) : 0;
-    }
-  }
-
-  void fill_nonlinear_jacobian(double t, const double* y, SUNMatrix J) {
-    z_.head(n_) = Eigen::Map<const Eigen::VectorXd>(y, n_);
-    solve_ports(t);
-    Eigen::Map<Eigen::MatrixXd> out(SUNDenseMatrix_Data(J), size_, size_);
-    out.setZero();
-    out.topLeftCorner(n_, n_) = dynamics_->jacobian(xi_);
-    const Eigen::MatrixXd& dw = dynamics_->port_jacobian();
-    const Eigen::Index first = n_ + plant_.nonlinear->first_port();
-    Eigen::MatrixXd de;  // of the contacts
-    if (contacts_) {
-      const Eigen::MatrixXd& closed = contacts_->closed();
-      de = closed.leftCols(n_) + closed.middleCols(first, dw.rows()) * dw;
-      out.topLeftCorner(n_, n_) += contact_columns_ * de;
-    }
-    for (std::size_t f = 0; options_.ledger && f < 3; ++f) {
-      power_.noalias() = 2 * (forms_[f] * z_);
-      auto row = out.row(n_ + static_cast<Eigen::Index>(f)).head(n_);
-      row = power_.head(n_).transpose() + power_.segment(first, dw.rows()).transpose() * dw;
-      if (contacts_) row += power_.segment<3>(n_ + 2).transpose() * de;
+      self.equations_.compute_jacobian(t, N_VGetArrayPointer(y), SUNDenseMatrix_Data(J));
+      return 0;
+    } catch (...) {
+      self.failure_ = std::current_exception();
+      return -1;
     }
   }
 
   static int guard_values(double t, N_Vector y, double* values, void* self_pointer) {
     auto& self = *static_cast<CvodeEngine*>(self_pointer);
     try {
-      self.z_.head(self.n_) = Eigen::Map<const Eigen::VectorXd>(N_VGetArrayPointer(y), self.n_);
-      self.solve_ports(t);
+      self.equations_.close(t, N_VGetArrayPointer(y));
       for (int i = 0; i < ContactSwitch::most_guards; ++i) {
-        values[i] = i < self.contacts_->guards() ? self.contacts_->value(i, self.z_) +
+        values[i] = i < self.contacts_->guards() ? self.contacts_->value(i, self.equations_.z()) +
                                                        self.shifts_[static_cast<std::size_t>(i)]
                                                  : 1;
       }
@@ -336,17 +225,17 @@ class CvodeEngine final : public Engine {
     return below_tolerance * options_.relative_tolerance * contacts_->size(guard, sizes_);
   }
 
-  // With z_ filled in: the guard that does not hold, or -1.
+  // With [ξ; U] closed: the guard that does not hold, or -1.
   int find_violated() const {
     for (int i = 0; i < contacts_->guards(); ++i) {
-      if (contacts_->value(i, z_) + tolerance_of(i) < 0) return i;
+      if (contacts_->value(i, equations_.z()) + tolerance_of(i) < 0) return i;
     }
     return -1;
   }
 
   int find_crossed() const {
     std::array<int, ContactSwitch::most_guards> roots{};
-    check(CVodeGetRootInfo(memory_.get(), roots.data()), "CVodeGetRootInfo", started_);
+    check(CVodeGetRootInfo(memory_.get(), roots.data()), "CVodeGetRootInfo", equations_.started());
     const auto it = std::find_if(roots.begin(), roots.end(), [](int root) { return root < 0; });
     return it == roots.end() ? -1 : static_cast<int>(it - roots.begin());
   }
@@ -359,8 +248,7 @@ class CvodeEngine final : public Engine {
     double reached = 0;
     double then = 0;
     for (int changes = 0;;) {
-      z_.head(n_) = y;
-      solve_ports(reached);
+      equations_.close(reached, y.data());
       int crossed = find_violated();
       for (int i = 0; i < contacts_->guards(); ++i)
         shifts_[static_cast<std::size_t>(i)] = tolerance_of(i);
@@ -401,7 +289,7 @@ class CvodeEngine final : public Engine {
       const auto failure = std::exchange(failure_, nullptr);
       const bool stuck = flag == CV_ERR_FAILURE || flag == CV_CONV_FAILURE ||
                          flag == CV_RHSFUNC_FAIL || flag == CV_REPTD_RHSFUNC_ERR;
-      if (!stuck || !dynamics_ || attempt == most_attempts) {
+      if (!stuck || !equations_.dynamics() || attempt == most_attempts) {
         if (flag < 0 && failure) std::rethrow_exception(failure);
         check(flag, "CVode", time + reached);
         return flag == CV_ROOT_RETURN;
@@ -429,19 +317,13 @@ class CvodeEngine final : public Engine {
 
   const Plant plant_;
   EngineOptions options_;
+  LedgerEquations equations_;
+  ContactSwitch* const contacts_;  ///< of the equations; null without friction and stops
   Eigen::Index n_, size_;
-  std::array<Eigen::MatrixXd, 3> forms_;
-  Eigen::VectorXd z_, sizes_, xi_, power_, bends_;
+  Eigen::VectorXd sizes_, bends_, inputs_;
   double widened_ = 1;  ///< factor on the tolerance, for the rest of a segment
   StateScales scales_;
-  std::optional<PlantDynamics> dynamics_;  ///< of a nonlinear plant
-  std::optional<ContactSwitch> contacts_;  ///< of one with friction or stops
-  std::vector<double> shifts_;             ///< of the guards, so that none starts at zero
-  Eigen::MatrixXd contact_columns_;        ///< of B
-  Eigen::VectorXd inputs_;
-  Eigen::Vector2d u_ = Eigen::Vector2d::Zero();
-  double started_ = 0;  ///< the segment's start [s]
-  double fastest_ = 0;
+  std::vector<double> shifts_;  ///< of the guards, so that none starts at zero
   double longest_ = 0;
   std::vector<double> intervals_;
   std::exception_ptr failure_;

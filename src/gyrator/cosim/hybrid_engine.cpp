@@ -1,6 +1,7 @@
 #include "gyrator/circuits/state_space.hpp"
 #include "gyrator/core/error.hpp"
 #include "gyrator/cosim/engine.hpp"
+#include "gyrator/cosim/first_negative.hpp"
 #include "gyrator/cosim/step_ladder.hpp"
 #include "gyrator/mechanics/plant_modes.hpp"
 
@@ -29,50 +30,6 @@ constexpr double most_rounding = 1e6;  // of two modes' coefficients against eac
 // How far guards may be looked at from a step's ends only: the fastest oscillation turns this far,
 // the fastest pole decays this far from where something switched or jumped.
 constexpr double farthest_turn = 1.5, farthest_decay = 4;
-constexpr int samples = 12;  // of a guard along a series, before its extrema are looked for
-
-// Value and slope of a polynomial.
-struct Point {
-  double value, slope;
-};
-template <class Coefficients>
-Point evaluate(const Coefficients& c, double x) {
-  Point p{0, 0};
-  for (Index j = c.size() - 1; j >= 0; --j) {
-    p.slope = p.slope * x + p.value;
-    p.value = p.value * x + c(j);
-  }
-  return p;
-}
-
-// Where `negative` turns true between low, where it is not, and high, where it is.
-template <class Negative>
-double bisect(double low, double high, const Negative& negative) {
-  for (;;) {
-    const double middle = low + (high - low) / 2;
-    if (!(middle > low && middle < high)) return high;
-    (negative(middle) ? high : low) = middle;
-  }
-}
-
-// The first point of (0, 1] at which the polynomial is below zero, or 2.
-template <class Coefficients>
-double find_first_negative(const Coefficients& c) {
-  const auto is_negative = [&](double x) { return evaluate(c, x).value < 0; };
-  Point before = evaluate(c, 0);
-  for (int i = 1; i <= samples; ++i) {
-    const double x0 = static_cast<double>(i - 1) / samples;
-    const double x1 = static_cast<double>(i) / samples;
-    const Point at = evaluate(c, x1);
-    if (before.slope < 0 && at.slope > 0) {
-      const double lowest = bisect(x0, x1, [&](double x) { return evaluate(c, x).slope > 0; });
-      if (is_negative(lowest)) return bisect(x0, lowest, is_negative);
-    }
-    if (at.value < 0) return bisect(x0, x1, is_negative);
-    before = at;
-  }
-  return 2;
-}
 
 // The exact engine of a plant that is affine in every mode of its friction, stops and piecewise
 // linear elements. In a mode it moves by the steps of a ladder as long as no guard can have been

@@ -3,7 +3,8 @@
 #include "gyrator/core/text.hpp"
 #include "gyrator/passivity/held_limit.hpp"
 #include "gyrator/plots/pretty_text.hpp"
-#include "gyrator/studies/model_format.hpp"
+#include "gyrator/studies/schematic_computer.hpp"
+#include "gyrator/studies/schematic_terms.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -13,44 +14,6 @@
 
 namespace gyrator {
 namespace {
-
-std::string ohms(double value) {
-  return print_quantity(value, dimension::resistance);
-}
-std::string hertz(double value) {
-  return print_quantity(value, dimension::frequency);
-}
-std::string seconds(const Rational& time) {
-  return print_quantity(time.to_double(), dimension::time);
-}
-
-// The motion's own words and letters.
-struct Terms {
-  explicit Terms(Motion motion) : units(units_of(motion)), rotary(motion == Motion::rotary) {}
-
-  std::string inertia(double value) const { return print_quantity(value, units.inertia); }
-  std::string damping(double value) const { return print_quantity(value, units.damping); }
-  std::string stiffness(double value) const { return print_quantity(value, units.stiffness); }
-  std::string effort(double value) const { return print_quantity(value, units.effort); }
-  std::string mass_letter() const { return rotary ? "J" : "m"; }
-  std::string mass_word() const { return rotary ? "inertia" : "mass"; }
-  std::string effort_letter() const { return rotary ? "τ" : "F"; }
-  std::string effort_word() const { return rotary ? "torque" : "force"; }
-  std::string velocity_letter() const { return rotary ? "ω" : "v"; }
-
-  Part make_mass(const std::string& what, const std::string& index, double value) const {
-    return {Symbol::mass, what, mass_letter() + index, {inertia(value)}};
-  }
-  Part make_damper(const std::string& what, const std::string& index, double value) const {
-    return {Symbol::damper, what, "b" + index, {damping(value)}};
-  }
-  Part make_spring(const std::string& what, const std::string& index, double value) const {
-    return {Symbol::spring, what, "k" + index, {stiffness(value)}};
-  }
-
-  const MotionUnits& units;
-  bool rotary;
-};
 
 // ---- Damping: one function per kind; without one, std::visit does not compile. ----------------
 
@@ -66,7 +29,7 @@ Part make_subcircuit(const char* what, const SpiceCircuit& circuit) {
 
 struct DampingParts {
   Diagram& diagram;
-  const Terms& terms;
+  const SchematicTerms& terms;
   const Drive& drive;
   std::string index;  // "_1"
 
@@ -171,7 +134,7 @@ struct DampingParts {
 
 struct AmplifierParts {
   Diagram& diagram;
-  const Terms& terms;
+  const SchematicTerms& terms;
 
   void operator()(const IdealDrive&) const {
     diagram.amplifier = {Symbol::current_source,
@@ -201,135 +164,11 @@ struct AmplifierParts {
   }
 };
 
-// ---- Controllers and velocity estimators ------------------------------------------------------
-
-struct EstimatorLines {
-  const Terms& terms;
-  BlockText& lines;
-
-  void operator()(const DifferenceEstimator& e) const {
-    lines.push_back("velocity: difference");
-    if (e.window > 1) lines.push_back(fmt::format("over {} samples", e.window));
-  }
-  void operator()(const FilteredDifferenceEstimator& e) const {
-    lines.push_back("velocity: difference,");
-    lines.push_back("low-pass " + hertz(e.cutoff_hz));
-  }
-  void operator()(const ButterworthEstimator& e) const {
-    lines.push_back("velocity: difference,");
-    lines.push_back(fmt::format("Butterworth, order {},", e.order));
-    lines.push_back(hertz(e.cutoff_hz));
-  }
-  void operator()(const AdaptiveWindowEstimator& e) const {
-    lines.push_back("velocity: FOAW,");
-    lines.push_back(fmt::format("{}-fit, window to {},", e.fit == WindowFit::end ? "end" : "best",
-                                e.max_window));
-    lines.push_back("noise " + print_quantity(e.noise, terms.units.position));
-  }
-  void operator()(const LevantEstimator& e) const {
-    lines.push_back("velocity: Levant,");
-    lines.push_back("L " + print_quantity(e.acceleration_bound, terms.units.acceleration));
-  }
-};
-
-struct ControllerLines {
-  const Terms& terms;
-  bool held;  // only its gains are computed; an analog loop does the rest
-
-  BlockText operator()(const NoController&) const { return {"no controller", "command 0"}; }
-
-  BlockText operator()(const VirtualWall& wall) const {
-    BlockText lines{held ? "gains of the wall" : "virtual wall",
-                    "K " + terms.stiffness(wall.stiffness), "B " + terms.damping(wall.damping)};
-    if (held) return lines;
-    if (wall.damping != 0) std::visit(EstimatorLines{terms, lines}, wall.velocity);
-    if (wall.unilateral) lines.push_back(wall.no_pull ? "unilateral, no pull" : "unilateral");
-    return lines;
-  }
-
-  BlockText operator()(const PredictiveWall& wall) const {
-    BlockText lines{"predictive wall", "K " + terms.stiffness(wall.stiffness),
-                    "B " + terms.damping(wall.damping)};
-    if (wall.prediction == PredictiveWall::Prediction::half_sample)
-      lines.emplace_back("half a sample ahead");
-    if (wall.dead_beat) lines.emplace_back("dead-beat at the surface");
-    return lines;
-  }
-
-  BlockText operator()(const WaveController& wave) const {
-    BlockText lines{"wave line"};
-    if (const auto* wall = std::get_if<WaveWall>(&wave.environment)) {
-      lines.push_back("K " + terms.stiffness(wall->stiffness));
-      lines.push_back("B " + terms.damping(wall->damping));
-      if (wall->unilateral) lines.emplace_back("unilateral");
-    } else {
-      lines.emplace_back("matched end");
-    }
-    return lines;
-  }
-
-  BlockText operator()(const VirtualCoupling& coupling) const {
-    BlockText lines{"virtual coupling", "K " + terms.stiffness(coupling.coupling.stiffness),
-                    "B " + terms.damping(coupling.coupling.damping),
-                    "tool " + terms.inertia(coupling.tool_inertia)};
-    if (coupling.wall) lines.push_back("wall " + terms.stiffness(coupling.wall->law.stiffness));
-    add_update(lines, coupling.update);
-    return lines;
-  }
-
-  BlockText operator()(const DirectRendering& law) const {
-    return describe_object("direct rendering", law.scene);
-  }
-  BlockText operator()(const ProxyRendering& law) const {
-    return describe_object("proxy", law.scene);
-  }
-  BlockText operator()(const EquivalentImpedance& law) const {
-    return describe_object("equivalent impedance", law.scene);
-  }
-
-  BlockText describe_object(const char* title, const DeformableScene& scene) const {
-    BlockText lines{title, "object " + terms.inertia(scene.object.inertia),
-                    terms.stiffness(scene.object.to_ground.stiffness),
-                    "contact " + terms.stiffness(scene.contact.stiffness)};
-    add_update(lines, scene.update);
-    return lines;
-  }
-
-  static void add_update(BlockText& lines, const SlowUpdate& update) {
-    if (update.period) lines.push_back("every " + seconds(*update.period));
-  }
-};
-
-// What is wrapped around a law, each a block of its own behind it.
-struct WrapperLines {
-  const Terms& terms;
-
-  BlockText operator()(const PreEmphasis& /*stage*/) const { return {"pre-emphasis"}; }
-
-  BlockText operator()(const BrakingPulse& pulse) const {
-    return {"braking pulse", terms.damping(pulse.damping)};
-  }
-  BlockText operator()(const EventTransient& transient) const {
-    return {"event transient", terms.damping(transient.gain), hertz(transient.frequency_hz)};
-  }
-  BlockText operator()(const AccelerationMatching& matching) const {
-    return {"acceleration matching", "for " + terms.inertia(matching.inertia)};
-  }
-
-  BlockText operator()(const PassivityControl& control) const {
-    const bool simple = control.observer == PassivityControl::Observer::simple;
-    BlockText lines{"passivity control", simple ? "simple observer" : "reference energy"};
-    if (control.max_damping) lines.push_back("up to " + terms.damping(*control.max_damping));
-    if (control.max_effort) lines.push_back("up to " + terms.effort(*control.max_effort));
-    return lines;
-  }
-};
-
 // ---- Operators --------------------------------------------------------------------------------
 
 struct OperatorParts {
   Diagram& diagram;
-  const Terms& terms;
+  const SchematicTerms& terms;
 
   void operator()(const NetworkOperator& hand) const {
     diagram.operator_kind = "network";
@@ -363,7 +202,7 @@ struct OperatorParts {
 
 // ---- What every model has ---------------------------------------------------------------------
 
-MotorParts describe_motor(const Motor& motor, const Terms& terms) {
+MotorParts describe_motor(const Motor& motor, const SchematicTerms& terms) {
   MotorParts parts;
   Part resistance{Symbol::resistor, "winding resistance", "R_m", {ohms(motor.resistance)}};
   if (motor.temperature_rise != 0)
@@ -381,7 +220,7 @@ MotorParts describe_motor(const Motor& motor, const Terms& terms) {
   return parts;
 }
 
-void describe_mechanics(Diagram& diagram, const Mechanics& mechanics, const Terms& terms) {
+void describe_mechanics(Diagram& diagram, const Mechanics& mechanics, const SchematicTerms& terms) {
   diagram.at_shaft.push_back({terms.make_mass(terms.mass_word(), "", mechanics.inertia)});
   if (mechanics.damping > 0)
     diagram.at_shaft.push_back({terms.make_damper("viscous damping", "", mechanics.damping)});
@@ -396,31 +235,6 @@ void describe_mechanics(Diagram& diagram, const Mechanics& mechanics, const Term
   if (t.damping > 0)
     diagram.transmission.push_back(terms.make_damper("transmission damping", "_t", t.damping));
   diagram.at_load.push_back({terms.make_mass("load " + terms.mass_word(), "_L", t.load_inertia)});
-}
-
-BlockText describe_sensor(const Sensor& sensor, const Terms& terms) {
-  BlockText lines{"position sensor"};
-  if (sensor.quantum > 0)
-    lines.push_back("step " + print_quantity(sensor.quantum, terms.units.quantum));
-  if (sensor.offset != 0)
-    lines.push_back("offset " + print_quantity(sensor.offset, terms.units.position));
-  return lines;
-}
-
-ComputerParts describe_computer(const Model& model, const Terms& terms) {
-  const bool held = find_held_impedance(model.device) != nullptr;
-  ComputerParts parts;
-  if (held) parts.sampled = Sampled::nothing;
-  if (std::holds_alternative<WaveController>(model.controller.law))
-    parts.sampled = Sampled::terminal_voltage;
-  parts.period = "T " + seconds(model.sampling.period);
-  parts.blocks.push_back(std::visit(ControllerLines{terms, held}, model.controller.law));
-  for (const Wrapper& wrapper : model.controller.wrappers)
-    parts.blocks.push_back(std::visit(WrapperLines{terms}, wrapper));
-  if (model.sampling.delay > Rational(0))
-    parts.blocks.push_back({"delay", seconds(model.sampling.delay)});
-  parts.blocks.push_back({"hold"});
-  return parts;
 }
 
 // Each feedback's loop lies within the next one's: no two lines cross.
@@ -442,7 +256,7 @@ std::string print_quantity(double value, const Unit& unit) {
 
 Diagram describe_device(const Model& model) {
   const Device& device = model.device;
-  const Terms terms(device.motion);
+  const SchematicTerms terms(device.motion);
   Diagram diagram;
   diagram.title = model.name;
   const bool analog = find_held_impedance(device) != nullptr;  // steps are the computer's
