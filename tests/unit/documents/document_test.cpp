@@ -440,6 +440,14 @@ TEST(WriteManualTable, places_that_differ_in_one_choice_are_written_as_one) {
   EXPECT_EQ(manual.find("Quick."), manual.rfind("Quick."));
 }
 
+TEST(WriteManualTable, only_choice_at_a_place_is_named) {
+  const ObjectSpec noise{"noise", "Noise.", {member::integer("seed")}};
+  const ObjectSpec fast{"fast", "Quick.", {member::object("noise", noise)}};
+  const ObjectSpec spec{"", "", {member::variant("filter", {fast})}};
+  const std::string manual = write_manual_table(spec);
+  EXPECT_NE(manual.find("### `filter(fast).noise`\n"), std::string::npos) << manual;
+}
+
 TEST(WriteManualTable, object_that_lacks_a_key_shares_the_section_and_is_told) {
   const Member one = member::integer("one");
   const Member two = member::integer("two");

@@ -89,6 +89,14 @@ TEST(BuildSharedSchema, alternatives_are_named_by_key_and_kind_and_keep_their_di
   EXPECT_EQ(resolve_schema(shared).dump(), schema.dump());
 }
 
+TEST(BuildSharedSchema, discriminator_is_not_shared_between_objects_of_one_kind) {
+  const Json kind = {{"const", "rc"}, {"description", std::string(200, 'x')}};
+  const Json schema = make_object(
+      {{"a", {{"oneOf", {make_object({{"kind", kind}, {"more", {{"type", "null"}}}})}}}},
+       {"b", {{"oneOf", {make_object({{"kind", kind}})}}}}});
+  EXPECT_EQ(build_shared_schema(schema), schema);
+}
+
 TEST(BuildSharedSchema, given_name_holds_for_a_small_part_and_for_no_other) {
   const Json text = {{"type", "string"}};
   const Json big = make_part("Big");
