@@ -1,15 +1,14 @@
-// Cost of a controller's step.
-#include "gyrator/controllers/controller.hpp"
-
+// Cost of a controller's step: every law, and every wrapper around a wall.
 #include <cmath>
 
 #include <benchmark/benchmark.h>
+
+#include "../tests/support/law_list.hpp"
 
 namespace gyrator {
 namespace {
 
 constexpr double T = 1e-3;
-const VirtualWall wall{.stiffness = 1000, .damping = 2, .unilateral = true};
 
 // A gesture through the surface, 20 Hz.
 void step(benchmark::State& state, const Controller& controller) {
@@ -23,18 +22,12 @@ void step(benchmark::State& state, const Controller& controller) {
   }
 }
 
-const EventTransient transient{.gain = 1, .decay_time = 0.01, .frequency_hz = 100};
-const PredictiveWall predictive{.stiffness = 1000, .damping = 2, .device = {0.3, 1, 0}};
-
-BENCHMARK_CAPTURE(step, virtual_wall, wall);
-BENCHMARK_CAPTURE(step, wall_and_simple_passivity_control,
-                  Controller(wall, {PassivityControl{.max_damping = 300}}));
-BENCHMARK_CAPTURE(step, wall_and_reference_passivity_control,
-                  Controller(wall, {PassivityControl{PassivityControl::Observer::reference, 300}}));
-BENCHMARK_CAPTURE(step, wall_and_event_transient, Controller(wall, {transient}));
-BENCHMARK_CAPTURE(step, predictive_wall, Controller(predictive));
-
 }  // namespace
 }  // namespace gyrator
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  for (const auto& named : gyrator::testing::make_controller_list())
+    benchmark::RegisterBenchmark(named.name.c_str(), gyrator::step, named.controller);
+  benchmark::Initialize(&argc, argv);
+  benchmark::RunSpecifiedBenchmarks();
+}

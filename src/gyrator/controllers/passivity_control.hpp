@@ -28,13 +28,13 @@ namespace gyrator {
 /// What the law allows: from (pc-1), with the next step's Δx'
 ///   E(k+1) = E(k) + f_1(k) Δx + f_1(k) (Δx' - Δx) >= R(k) - |f_1(k)| |Δx' - Δx|           (pc-6)
 /// R(k) = min(0, W + |f_pc Δx|) of the simple form is zero while no limit acts and the device
-/// moved. It knows the past to the last joule and the coming step only as far as the motion is
-/// even.
+/// moved: the coming step is known only as far as the motion is even. The reference allows
+///   E(k+1) >= E(k) + |f_pc(k) Δx| + f_2(k) Δx' - |f_pc(k)| |Δx' - Δx|                     (pc-7)
 ///
 /// Holds for an ideal drive, a position sensor and no delay; otherwise (pc-1) is an estimate. A run
 /// that starts inside a wall starts with the wall's energy, which the simple observer does not
-/// know. Source: Hannaford and Ryu 2002; Ryu et al. 2004, 2005; max(…, 0), max_damping and (pc-6)
-/// derived.
+/// know. Source: Hannaford and Ryu 2002; Ryu et al. 2004, 2005; max(…, 0), max_damping, (pc-6) and
+/// (pc-7) derived.
 struct PassivityControl {
   enum class Observer { simple, reference };
   Observer observer = Observer::simple;

@@ -61,7 +61,7 @@ CommandPath::CommandPath(const Sampling& sampling, const SplitDelay& delay)
 }
 
 void CommandPath::send(std::int64_t k, const Rational& offset, double command) {
-  under_way_.push_back({k + whole_, offset == Rational(0) ? rest_ : rest_ + offset, command});
+  under_way_.push_back({k + whole_, offset.num() == 0 ? rest_ : rest_ + offset, command});
 }
 
 Rational CommandPath::next_after_tick(std::int64_t k) const {

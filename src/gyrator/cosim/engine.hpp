@@ -34,7 +34,7 @@ struct PlantState {
 /// (SUNDIALS, the reference), `odeint` (cross-check; knows no friction and stops).
 ///
 /// Order of calls: prepare() once for every segment length that will occur, then advance() any
-/// number of times. advance() allocates nothing.
+/// number of times. advance() of `exact` allocates nothing but for each mode that is new to it.
 class Engine {
  public:
   explicit Engine(const Plant& plant);

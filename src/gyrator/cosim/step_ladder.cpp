@@ -31,14 +31,20 @@ void pack(const MatrixXd& form, Index row, Eigen::Matrix<double, 3, Eigen::Dynam
 void add_work(const Eigen::Matrix<double, 3, Eigen::Dynamic>& packed, const double* z, Index size,
               double by, StepLadder::Work& work) {
   const double* w = packed.data();
-  double sum[3] = {0, 0, 0};
+  double sum0 = 0;  // three of their own: an array is kept in memory
+  double sum1 = 0;
+  double sum2 = 0;
   for (Index i = 0; i < size; ++i) {
     for (Index j = i; j < size; ++j, w += 3) {
       const double product = z[i] * z[j];
-      for (int f = 0; f < 3; ++f) sum[f] += w[f] * product;
+      sum0 += w[0] * product;
+      sum1 += w[1] * product;
+      sum2 += w[2] * product;
     }
   }
-  for (std::size_t f = 0; f < 3; ++f) work[f] += by * sum[f];
+  work[0] += by * sum0;
+  work[1] += by * sum1;
+  work[2] += by * sum2;
 }
 
 }  // namespace

@@ -28,9 +28,11 @@ TraceRecorder::TraceRecorder(const Plant& plant, Engine& engine,
   names.insert(names.end(), {wave ? "measured_wave_integral" : "measured_position", "held_command",
                              "held_command_after"});
   for (const auto& signal : plant.others) {
-    if (jumps(signal)) names.push_back(signal.name + "_after");
+    if (jumps(signal)) jumping_.push_back(&signal);
   }
-  if (jumps(plant.port_effort)) names.emplace_back("effort_after");
+  if (jumps(plant.port_effort)) jumping_.push_back(&plant.port_effort);
+  for (const Signal* signal : jumping_)
+    names.push_back((signal == &plant.port_effort ? "effort" : signal->name) + "_after");
   if (options_.external_effort) names.emplace_back("external_effort");
   if (options_.ledger) {
     names.insert(names.end(),
@@ -58,36 +60,40 @@ double TraceRecorder::row_size() const {
 }
 
 double TraceRecorder::stored(const Eigen::Vector2d& u, const PlantState& state) {
-  z_ << state.xi, engine_.inputs(u, state);
-  return z_.dot(plant_.energy.stored * z_);
+  return stored_under(engine_.inputs(u, state), state);
+}
+
+double TraceRecorder::stored_under(const Eigen::VectorXd& inputs, const PlantState& state) {
+  z_ << state.xi, inputs;
+  gradient_.noalias() = plant_.energy.stored * z_;
+  return z_.dot(gradient_);
 }
 
 void TraceRecorder::record(const TraceRow& row, const Eigen::Vector2d& u, const PlantState& state) {
   std::size_t at = 0;
   const auto put = [&](double value) { trace_.columns[at++].push_back(value); };
   before_ = engine_.inputs(u, state);
-  after_ = engine_.inputs(Eigen::Vector2d(row.held_after, u(1)), state);
-  const auto value = [&](const Signal& s, bool after) {
-    return s.value(state.xi, after ? after_ : before_);
-  };
+  const auto put_before = [&](const Signal& signal) { put(signal.value(state.xi, before_)); };
   put(row.time);
-  put(value(plant_.port_position, false));
-  put(value(plant_.port_velocity, false));
-  put(value(plant_.port_effort, false));
+  put_before(plant_.port_position);
+  put_before(plant_.port_velocity);
+  put_before(plant_.port_effort);
   put(row.command);
-  for (const auto& signal : plant_.others) put(value(signal, false));
+  for (const auto& signal : plant_.others) put_before(signal);
   put(row.measured);
   put(u(0));
   put(row.held_after);
-  for (const auto& signal : plant_.others) {
-    if (jumps(signal)) put(value(signal, true));
+  if (!jumping_.empty()) {
+    const bool same = row.held_after == u(0);
+    const auto& after =
+        same ? before_ : engine_.inputs(Eigen::Vector2d(row.held_after, u(1)), state);
+    for (const Signal* signal : jumping_) put(signal->value(state.xi, after));
   }
-  if (jumps(plant_.port_effort)) put(value(plant_.port_effort, true));
   if (options_.external_effort) put(u(1));
   if (options_.ledger) {
     put(state.operator_work);
     put(state.source_work);
-    put(stored(u, state));
+    put(stored_under(before_, state));
     put(state.dissipated);
   }
   controller_.read_signals(told_);

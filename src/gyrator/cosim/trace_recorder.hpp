@@ -46,13 +46,15 @@ class TraceRecorder {
 
  private:
   bool jumps(const Signal& signal) const;
+  double stored_under(const Eigen::VectorXd& inputs, const PlantState& state);
 
   const Plant& plant_;
   Engine& engine_;
   const RunningController& controller_;
   Trace& trace_;
   Options options_;
-  Eigen::VectorXd z_, before_, after_;
+  std::vector<const Signal*> jumping_;  // with the command, each with a column "..._after"
+  Eigen::VectorXd z_, gradient_, before_;
   std::vector<double> told_;  // by the controller
 };
 
