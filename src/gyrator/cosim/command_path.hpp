@@ -24,7 +24,7 @@ class SampleClock {
  public:
   SampleClock(const Sampling& sampling, std::uint64_t seed);
 
-  bool jitters() const { return jitter_ > Rational(0); }
+  bool jitters() const { return jitter_.num() > 0; }
   /// J_k of the current tick and of the one after [s].
   const Rational& offset() const { return offset_; }
   const Rational& next_offset() const { return next_; }

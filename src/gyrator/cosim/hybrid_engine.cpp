@@ -129,11 +129,12 @@ class HybridEngine final : public Engine {
   }
 
   Mode& find_mode(const Modes& key) {
+    if (latest_ && latest_->key == key) return *latest_;
     for (const auto& mode : known_) {
-      if (mode->key == key) return *mode;
+      if (mode->key == key) return *(latest_ = mode.get());
     }
     known_.push_back(make_mode(key));
-    return *known_.back();
+    return *(latest_ = known_.back().get());
   }
 
   std::unique_ptr<Mode> make_mode(const Modes& key) const {
@@ -389,6 +390,7 @@ class HybridEngine final : public Engine {
   signed char changed_from_ = 0;
   std::vector<double> intervals_;
   std::vector<std::unique_ptr<Mode>> known_;
+  Mode* latest_ = nullptr;  // of these, the one asked for last
   std::unique_ptr<PlantDynamics> ports_;
 };
 
