@@ -14,11 +14,12 @@ namespace gyrator {
 ///   E(k) = sum over j <= k of f_1(j-1) Δx(j)                                       [8.34] (pc-1)
 /// and the shortfall W that is made good within the coming step, if it is like the last one,
 ///   simple      W = E(k) + f_2(k) Δx(k)                                            [8.32] (pc-2)
-///   reference   W = E(k) - max(S + D, 0)                                           [8.35] (pc-3)
+///   reference   W = E(k) + S_0 - max(S + D, 0)                                     [8.35] (pc-3)
 ///   f_pc(k) = -W/Δx(k) where W < 0 and Δx(k) != 0, else 0                                 (pc-4)
-/// S and D are what the environment would have stored and dissipated in continuous time since the
-/// start: K x^2/2 and sum B Δx^2/T while in contact for a wall; for any other law the sum of
-/// (f_2(j-1) + f_2(j)) Δx(j)/2. A reference never gives more than it got: hence max(…, 0).
+/// S is what the environment would store in continuous time, D what it would have dissipated since
+/// the start: K x^2/2 and sum B Δx^2/T while in contact for a wall, with S_0 the S of the first
+/// sample; for any other law the sum of (f_2(j-1) + f_2(j)) Δx(j)/2, with S_0 = 0. A reference
+/// never gives more than it got: hence max(…, 0).
 ///
 /// A vanishing Δx would make f_pc any size, and a damper above twice a device's inertia over the
 /// period turns the device round within a sample. Two limits, each of which leaves a rest of W for
@@ -31,10 +32,11 @@ namespace gyrator {
 /// moved: the coming step is known only as far as the motion is even. The reference allows
 ///   E(k+1) >= E(k) + |f_pc(k) Δx| + f_2(k) Δx' - |f_pc(k)| |Δx' - Δx|                     (pc-7)
 ///
-/// Holds for an ideal drive, a position sensor and no delay; otherwise (pc-1) is an estimate. A run
-/// that starts inside a wall starts with the wall's energy, which the simple observer does not
-/// know. Source: Hannaford and Ryu 2002; Ryu et al. 2004, 2005; max(…, 0), max_damping, (pc-6) and
-/// (pc-7) derived.
+/// Holds for an ideal drive, a position sensor, no delay and a converter that changes nothing (its
+/// limit and quantum come behind the controller); otherwise (pc-1) is an estimate. A run that
+/// starts inside a wall starts with the wall's energy, which the simple observer does not know.
+/// Source: Hannaford and Ryu 2002; Ryu et al. 2004, 2005; max(…, 0), max_damping, (pc-6) and (pc-7)
+/// derived.
 struct PassivityControl {
   enum class Observer { simple, reference };
   Observer observer = Observer::simple;
@@ -75,7 +77,7 @@ class RunningPassivityControl {
   double observed_ = 0;   // E
   double reference_ = 0;  // S + D, or the trapezoids
   double stored_ = 0;     // S of the wall
-  double start_ = 0;      // S at the start
+  double start_ = 0;      // S_0
   double effort_ = 0;     // f_1
   double wanted_ = 0;     // f_2
   double added_ = 0;      // f_pc
