@@ -149,10 +149,10 @@ class RecordedWave : public Waveform {
   }
 
  private:
-  // To the piece that holds `t`. Runs go forwards: the search seldom moves far.
+  // To the piece that holds `t`, forwards or back: a motion is asked for both ends of each period.
   void seek(double t) {
-    if (t < data_.time[at_]) at_ = 0;
-    while (at_ + 1 < data_.time.size() && data_.time[at_ + 1] <= t) ++at_;
+    const auto next = std::upper_bound(data_.time.begin(), data_.time.end(), t);
+    at_ = next == data_.time.begin() ? 0 : static_cast<std::size_t>(next - data_.time.begin()) - 1;
   }
 
   // Within the current piece.

@@ -36,6 +36,7 @@ std::optional<double> find_rate_hardness(const Trace& trace, double period) {
     const double first = start - command[rows[k]];
     const double second = start - command[rows[k + 1]];
     const double rate_hardness = (since * first + (1 - since) * second) / (now - before);
+    if (rate_hardness < 0) return std::nullopt;
     return rate_hardness == 0 ? 0.0 : rate_hardness;
   }
   return std::nullopt;

@@ -13,9 +13,9 @@ namespace gyrator {
 /// crossing between them (linear), f the opposing command less that of sample k-1, linear between
 /// samples k and k+1. At an even velocity a wall has R = K + B/T with the one-sample difference,
 /// wherever between samples the surface is crossed; a braking pulse adds g/T. None without a
-/// contact, and without the sample that follows it. The trace must have every sample
-/// of an even clock. Source:
-/// Lawrence et al. 2000, the ratio; the sampled form (rate-1) chosen here.
+/// contact, without the sample that follows it, and where R is negative: an effort that falls off
+/// at the surface, or pulls into it, is no hardness. The trace must have every sample of an even
+/// clock. Source: Lawrence et al. 2000, the ratio; the sampled form (rate-1) chosen here.
 std::optional<double> find_rate_hardness(const Trace& trace, double period);
 
 }  // namespace gyrator

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <ctime>
 #include <functional>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -162,6 +164,53 @@ TEST(Gesture, a_recording_of_a_curve_is_that_curve) {
     ASSERT_NEAR(analytic.trace.column("position")[k], read.trace.column("position")[k],
                 bound / 0.4 / 2);
   }
+}
+
+// x = t^2 in straight pieces `h` long.
+HandGesture make_recording(std::size_t rows, double h, bool is_motion) {
+  RecordedGesture recorded;
+  recorded.is_motion = is_motion;
+  for (std::size_t i = 0; i < rows; ++i) {
+    const double t = static_cast<double>(i) * h;
+    recorded.time.push_back(t);
+    recorded.value.push_back(t * t);
+  }
+  return {recorded, 400, 6};
+}
+
+TEST(Gesture, a_recorded_motion_is_the_same_in_whatever_order_it_is_asked_for) {
+  // Of pieces of 1 ms, from sample a to b: k times the trapezoids, and b times the rise.
+  RunningGesture running(make_recording(1000, 1e-3, true), 1);
+  for (const auto& [a, b] :
+       {std::pair{500, 502}, {10, 11}, {997, 999}, {0, 3}, {998, 999}, {499, 500}, {500, 501}}) {
+    double trapezoids = 0;
+    for (int i = a; i < b; ++i) trapezoids += (i * i + (i + 1) * (i + 1)) / 2.0 * 1e-9;
+    const double rise = (b * b - a * a) * 1e-6;
+    const double length = (b - a) * 1e-3;
+    // Rounding of t, 1e-16 s, beside a piece of 1e-3 s.
+    EXPECT_NEAR(running.mean_effort(a * 1e-3, b * 1e-3, length),
+                (400 * trapezoids + 6 * rise) / length, 1e-9)
+        << a << " " << b;
+  }
+}
+
+TEST(Gesture, a_recorded_motion_takes_about_as_long_as_a_recorded_force) {
+  // Both ends of each period are looked up; from the start each time, 50000 rows would take
+  // thousands of times as long. Processor time: other programs do not count.
+  constexpr std::size_t rows = 50000;
+  constexpr double h = 1e-3;
+  const auto clocks = [&](bool is_motion) {
+    RunningGesture running(make_recording(rows, h, is_motion), 1);
+    const std::clock_t start = std::clock();
+    double sum = 0;
+    for (std::size_t k = 0; k + 1 < rows; ++k) {
+      const double t = static_cast<double>(k) * h;
+      sum += running.mean_effort(t, t + h, h);
+    }
+    EXPECT_GT(sum, 0);
+    return static_cast<double>(std::clock() - start);
+  };
+  EXPECT_LT(clocks(true), 50 * std::max(clocks(false), 1e-3 * CLOCKS_PER_SEC));
 }
 
 TEST(Gesture, an_intended_motion_moves_the_port_through_the_hands_spring_and_damper) {

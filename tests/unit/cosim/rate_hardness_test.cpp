@@ -45,6 +45,14 @@ TEST(RateHardness, is_the_same_with_rows_between_the_samples) {
   EXPECT_EQ(*between, *find_rate_hardness(enter(wall, 0.3).trace, T));
 }
 
+TEST(RateHardness, is_none_where_the_effort_falls_at_the_surface) {
+  // Damping of -7 N.s/m pulls the device in with 7/T, above what the spring pushes.
+  const VirtualWall wall{.stiffness = 3000, .damping = -7, .unilateral = true};
+  EXPECT_FALSE(find_rate_hardness(enter(wall, 0.5).trace, T));
+  const VirtualWall softer{.stiffness = 8000, .damping = -7, .unilateral = true};
+  EXPECT_NEAR(*find_rate_hardness(enter(softer, 0.5).trace, T), 8000 - 7 / T, 1e-4);
+}
+
 TEST(RateHardness, is_none_without_a_contact) {
   const VirtualWall wall{.stiffness = 3000, .unilateral = true};
   EXPECT_FALSE(find_rate_hardness(enter(wall, -20).trace, T));
