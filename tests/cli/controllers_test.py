@@ -129,12 +129,22 @@ class ContactEffectsTest(ProgramTest):
 
     def test_what_has_no_contact_is_refused_by_name(self):
         pulse = {"kind": "braking_pulse", "damping": "20 N.s/m"}
-        for controller, name in (({"kind": "virtual_wall", "stiffness": 1}, '"virtual_wall"'), ({"kind": "none"}, '"none"'),
-                                 ({"kind": "wave", "environment": {"kind": "matched"}}, '"wave"')):
+        wall = {"kind": "virtual_wall", "stiffness": 1}
+        owners = "belongs to 'virtual_wall', 'predictive_wall'"
+        spring = {"stiffness": "1 kN/m"}
+        scene = {"object": {"mass": 1, "stiffness": 1}, "contact": spring}
+        for controller, *reasons in (
+                (wall, '"virtual_wall"', "surface"), ({"kind": "none"}, "'none'", owners),
+                ({"kind": "wave", "environment": {"kind": "matched"}}, "'wave'", owners),
+                ({"kind": "virtual_coupling", "coupling": spring, "tool": {"mass": 1}}, "'virtual_coupling'", owners),
+                (scene | {"kind": "direct"}, "'direct'", owners),
+                (scene | {"kind": "equivalent_impedance"}, "'equivalent_impedance'", owners),
+                (scene | {"kind": "proxy", "coupling": spring, "tool": {"mass": 1}}, "'proxy'", owners),
+                ({"kind": "passivity", "controller": wall | {"unilateral": True}}, owners, "put it into 'controller'")):
             model = self.model([])
             model["controller"] = controller | {"contact_effects": [pulse]}
             answer = self.run_program("simulate", self.write_model(model))
-            self.assert_refused(answer, "/controller/contact_effects", name, "surface")
+            self.assert_refused(answer, "/controller/contact_effects", *reasons)
 
     def test_what_the_sampling_cannot_play_is_refused_with_its_place(self):
         sine = {"kind": "event_transient", "gain": 1, "decay_time": "10 ms", "frequency": "500 Hz"}

@@ -128,6 +128,8 @@ class GestureTest(HandTest):
         self.refuse(base(gesture={**hit, "width": 0}), "/simulation/gesture/width", "above 0 s")
         self.refuse(base(gesture={**hit, "times": []}), "/simulation/gesture/times")
         self.refuse(base(gesture={**motion, "effort": 1}), "/simulation/gesture", "effort", "motion")
+        self.refuse(base(gesture={"kind": "random", "effort": -1, "bandwidth": 20}), "/simulation/gesture/effort",
+                    "-1 N.m", "at least 0")
         self.refuse(base(gesture={"kind": "hits"}), "/simulation/gesture/kind", "did you mean 'hit'?")
         self.refuse(base(gesture=hit, seed=-1), "/simulation/seed", "at least 0")
 

@@ -263,17 +263,39 @@ class Reader {
     for (const std::string& key : list_keys(value)) {
       if (at.empty() && key == "$schema") continue;
       if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-      std::string owner_of_key;
-      for (const ObjectSpec& other : owner.objects) {
-        const bool has_key = std::any_of(other.members.begin(), other.members.end(),
-                                         [&key](const Member& m) { return m.name == key; });
-        if (has_key)
-          owner_of_key = fmt::format(" for '{}' (it belongs to '{}')", spec.name, other.name);
-      }
-      refuse(at / key, fmt::format("unknown key '{}'{}: allowed: {}{}", shorten(key), owner_of_key,
-                                   known.empty() ? "none" : join(known),
-                                   owner_of_key.empty() ? suggest_name(key, known) : ""));
+      const std::vector<std::string> owners = list_owners(owner.objects, key);
+      const std::string owners_of_key =
+          owners.empty()
+              ? ""
+              : fmt::format(" for '{}' (it belongs to '{}')", spec.name, join(owners, "', '"));
+      refuse(at / key, fmt::format("unknown key '{}'{}: allowed: {}{}{}", shorten(key),
+                                   owners_of_key, known.empty() ? "none" : join(known),
+                                   owners.empty() ? suggest_name(key, known) : "",
+                                   suggest_member(key, spec)));
     }
+  }
+
+  // The kinds that have the key.
+  static std::vector<std::string> list_owners(const std::vector<ObjectSpec>& objects,
+                                              const std::string& key) {
+    std::vector<std::string> owners;
+    for (const ObjectSpec& object : objects) {
+      const bool has_key = std::any_of(object.members.begin(), object.members.end(),
+                                       [&key](const Member& m) { return m.name == key; });
+      if (has_key) owners.push_back(object.name);
+    }
+    return owners;
+  }
+
+  // Where a key stands too far out: the member that it belongs into, if there is only one.
+  static std::string suggest_member(const std::string& key, const ObjectSpec& spec) {
+    std::string place;
+    for (const Member& member : spec.members) {
+      if (list_owners(member.objects, key).empty()) continue;
+      if (!place.empty()) return "";
+      place = member.name;
+    }
+    return place.empty() ? "" : fmt::format("; put it into '{}'", place);
   }
 
   void check_group(const json& value, const std::vector<std::string>& group, bool needs_one,

@@ -84,6 +84,12 @@ std::optional<DryFriction> find_dry_friction(const Mechanics& mechanics) {
     throw Error(ErrorCode::bad_input, "mechanics/stribeck_velocity",
                 fmt::format("{:g}: must be at least 0", friction.stribeck_velocity));
   }
+  if (friction.stribeck_velocity > 0 && !(friction.breakaway > friction.sliding)) {
+    throw Error(ErrorCode::bad_input, "mechanics/stribeck_velocity",
+                fmt::format("{:g}: has no effect, since friction falls up to it from stiction to "
+                            "coulomb_friction: give a stiction above {:g}, or leave it out",
+                            friction.stribeck_velocity, friction.sliding));
+  }
   if (friction.breakaway == 0) return std::nullopt;
   return friction;
 }

@@ -126,11 +126,6 @@ SpringDamper spring_damper_of(const json& s) {
   return {s["stiffness"], s["damping"]};
 }
 
-// Inertia and mass: one thing under the motion's own name.
-double inertia_of(const json& body) {
-  return body.contains("inertia") ? body["inertia"] : body["mass"];
-}
-
 Integration integration_of(const json& name) {
   for (const auto kind : {Integration::explicit_euler, Integration::semi_implicit})
     if (name == name_of(kind)) return kind;
@@ -204,7 +199,7 @@ std::optional<Law> parse_environment(const json& c, const Rational& period,
   const std::string kind = c["kind"];
   if (kind == "virtual_coupling") {
     VirtualCoupling law{spring_damper_of(c["coupling"]),
-                        inertia_of(c["tool"]),
+                        find_inertia(c["tool"]),
                         c["tool"]["damping"],
                         {},
                         integration_of(c["integration"]),
@@ -217,7 +212,7 @@ std::optional<Law> parse_environment(const json& c, const Rational& period,
   if (kind != "direct" && kind != "proxy" && kind != "equivalent_impedance") return std::nullopt;
   const json& o = c["object"];
   const json& contact = c["contact"].is_null() ? c["coupling"] : c["contact"];
-  const DeformableScene scene{{inertia_of(o), spring_damper_of(o), o["position"]},
+  const DeformableScene scene{{find_inertia(o), spring_damper_of(o), o["position"]},
                               spring_damper_of(contact),
                               c["unilateral"],
                               integration_of(c["integration"]),
@@ -225,7 +220,7 @@ std::optional<Law> parse_environment(const json& c, const Rational& period,
                               update_of(c["update"], period, slow_period)};
   if (kind == "direct") return DirectRendering{scene};
   if (kind == "proxy")
-    return ProxyRendering{scene, inertia_of(c["tool"]), spring_damper_of(c["coupling"])};
+    return ProxyRendering{scene, find_inertia(c["tool"]), spring_damper_of(c["coupling"])};
   return EquivalentImpedance{scene};
 }
 

@@ -10,6 +10,7 @@
 #include "gyrator/studies/controller_format.hpp"
 #include "gyrator/studies/environment_format.hpp"
 #include "gyrator/studies/model_format.hpp"
+#include "gyrator/studies/motion_terms.hpp"
 #include "gyrator/studies/operator_format.hpp"
 #include "gyrator/studies/sampling_format.hpp"
 #include "gyrator/studies/wrapper_format.hpp"
@@ -37,11 +38,6 @@ std::optional<Rational> slow_period_of(const json& sampling) {
   return time_of(sampling["slow_period"]);
 }
 
-// Inertia and mass, torque and force constant: one thing under the motion's own name.
-double either(const json& object, const char* rotary, const char* linear) {
-  return object.contains(rotary) ? object[rotary] : object[linear];
-}
-
 std::optional<double> optional_of(const json& object, const char* key) {
   if (object[key].is_null()) return std::nullopt;
   return object[key].get<double>();
@@ -63,7 +59,7 @@ Amplifier amplifier_of(const json& a) {
 }
 
 HighPassDamper high_pass_damper_of(const json& d) {
-  return {either(d, "inertia", "mass"), d["damping"]};
+  return {find_inertia(d), d["damping"]};
 }
 
 // The path stands relative to the model file's folder.
@@ -116,7 +112,7 @@ Damping damping_of(const json& d, const Motor& motor, const json& controller,
 Drive drive_of(const json& model, const std::string& file) {
   Drive drive;
   if (const json& m = model["motor"]; !m.is_null()) {
-    drive.motor = Motor{either(m, "torque_constant", "force_constant"),
+    drive.motor = Motor{find_either(m, "torque_constant", "force_constant"),
                         m["resistance"],
                         m["inductance"],
                         m["temperature_coefficient"],
@@ -136,7 +132,7 @@ Drive drive_of(const json& model, const std::string& file) {
 
 Mechanics mechanics_of(const json& m) {
   Mechanics mechanics;
-  mechanics.inertia = either(m, "inertia", "mass");
+  mechanics.inertia = find_inertia(m);
   mechanics.damping = m["damping"];
   mechanics.coulomb_friction = m["coulomb_friction"];
   mechanics.stiction = optional_of(m, "stiction");
@@ -147,7 +143,7 @@ Mechanics mechanics_of(const json& m) {
   }
   if (const json& t = m["transmission"]; !t.is_null()) {
     mechanics.transmission =
-        Transmission{t["stiffness"], t["damping"], either(t, "load_inertia", "load_mass")};
+        Transmission{t["stiffness"], t["damping"], find_either(t, "load_inertia", "load_mass")};
   }
   return mechanics;
 }

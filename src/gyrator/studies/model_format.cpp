@@ -125,8 +125,8 @@ ObjectSpec mechanics_spec(const MotionTerms& terms) {
               member::quantity("stribeck_velocity", terms.velocity)
                   .by_default(0)
                   .at_least(0)
-                  .doc("Up to which friction falls along a line from stiction to coulomb_friction; "
-                       "0: at once."),
+                  .doc("Up to which friction falls along a line from stiction, which must be above "
+                       "it, to coulomb_friction; 0: at once."),
               member::object("stops", stops).doc("Hard stops at the port."),
               member::object("transmission", transmission).doc("Compliant transmission to a load."),
               member::object("high_pass_damper", high_pass_damper_spec(terms))

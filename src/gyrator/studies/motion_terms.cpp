@@ -27,4 +27,13 @@ const MotionUnits& units_of(Motion motion) {
   return terms_of(motion);
 }
 
+const nlohmann::json& find_either(const nlohmann::json& object, const char* rotary,
+                                  const char* linear) {
+  return object[object.contains(rotary) ? rotary : linear];
+}
+
+const nlohmann::json& find_inertia(const nlohmann::json& object) {
+  return find_either(object, "inertia", "mass");
+}
+
 }  // namespace gyrator

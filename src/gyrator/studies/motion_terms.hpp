@@ -3,6 +3,8 @@
 #include "gyrator/core/quantity.hpp"
 #include "gyrator/mechanics/device.hpp"
 
+#include <nlohmann/json.hpp>
+
 namespace gyrator {
 
 /// The units of a motion: N.m and rad, or N and m.
@@ -21,5 +23,12 @@ struct MotionTerms : MotionUnits {
   const char* motor_constant_name;
 };
 const MotionTerms& terms_of(Motion motion);
+
+/// What a validated document has under the motion's own name: of the two keys the one that is
+/// there.
+const nlohmann::json& find_either(const nlohmann::json& object, const char* rotary,
+                                  const char* linear);
+/// "inertia" or "mass".
+const nlohmann::json& find_inertia(const nlohmann::json& object);
 
 }  // namespace gyrator

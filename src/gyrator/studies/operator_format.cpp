@@ -201,7 +201,7 @@ std::vector<ObjectSpec> gesture_specs(const MotionUnits& units) {
       {"random",
        "A force of even power up to a frequency, from simulation.seed.",
        {
-           effort("Root mean square."),
+           effort("Root mean square.").at_least(0),
            member::quantity("bandwidth", dimension::frequency)
                .required()
                .above(0)

@@ -86,20 +86,15 @@ std::vector<ObjectSpec> effect_specs(const MotionTerms& terms) {
            }}};
 }
 
-// Inertia or mass: one thing under the motion's own name.
-const json& inertia_of(const json& object) {
-  return object.contains("inertia") ? object["inertia"] : object["mass"];
-}
-
 Wrapper parse_effect(const json& e) {
   if (e["kind"] == "braking_pulse") {
     BrakingPulse pulse{.damping = e["damping"], .duration = e["duration"]};
-    if (const json& inertia = inertia_of(e); !inertia.is_null()) pulse.inertia = inertia;
+    if (const json& inertia = find_inertia(e); !inertia.is_null()) pulse.inertia = inertia;
     return pulse;
   }
   if (e["kind"] == "event_transient")
     return EventTransient{e["gain"], e["decay_time"], e["frequency"]};
-  AccelerationMatching matching{.inertia = inertia_of(e), .damping = e["damping"]};
+  AccelerationMatching matching{.inertia = find_inertia(e), .damping = e["damping"]};
   const json& t = e["transient"];
   if (t["kind"] == "decaying_sine")
     matching.transient = DecayingSine{t["velocity_change"], t["decay_time"], t["frequency"]};
@@ -132,6 +127,18 @@ ObjectSpec passivity_spec(std::vector<ObjectSpec> laws, const MotionTerms& terms
       }};
 }
 
+// A law that may have a surface at position zero.
+bool may_have_contact(const ObjectSpec& law) {
+  return law.name == "virtual_wall" || law.name == "predictive_wall";
+}
+
+// Validated: a law without the key can have none.
+const json& find_contact_effects(const json& law) {
+  static const json none = json::array();
+  const auto found = law.find("contact_effects");
+  return found == law.end() ? none : *found;
+}
+
 bool is_passivity(const json& controller) {
   return controller["kind"] == "passivity";
 }
@@ -140,6 +147,7 @@ bool is_passivity(const json& controller) {
 
 std::vector<ObjectSpec> add_wrapper_specs(std::vector<ObjectSpec> laws, const MotionTerms& terms) {
   for (ObjectSpec& law : laws) {
+    if (!may_have_contact(law)) continue;
     law.members.push_back(member::variant("contact_effects", effect_specs(terms))
                               .list()
                               .by_default(json::array())
@@ -161,7 +169,7 @@ std::string find_law_place(const json& controller) {
 std::vector<Wrapper> parse_wrappers(const json& controller,
                                     const ControllerSurroundings& surroundings) {
   std::vector<Wrapper> wrappers;
-  for (const json& effect : find_wrapped_law(controller)["contact_effects"])
+  for (const json& effect : find_contact_effects(find_wrapped_law(controller)))
     wrappers.push_back(parse_effect(effect));
   if (!is_passivity(controller)) return wrappers;
   PassivityControl control;
@@ -177,6 +185,7 @@ std::vector<Wrapper> parse_wrappers(const json& controller,
 
 void check_wrappers(const Controller& controller, const json& document, double period) {
   const json& law = find_wrapped_law(document);
+  const json& effects = find_contact_effects(law);
   const std::string kind = law["kind"];
   const std::string place = find_law_place(document).substr(1);
   if (is_passivity(document) && !reads_position(controller.law)) {
@@ -185,14 +194,14 @@ void check_wrappers(const Controller& controller, const json& document, double p
                             "position, so that no energy can be observed; use a wall",
                             kind));
   }
-  if (!law["contact_effects"].empty() && !has_contact(controller.law)) {
+  if (!effects.empty() && !has_contact(controller.law)) {
     throw Error(ErrorCode::bad_input, place + "/contact_effects",
                 fmt::format("\"{}\" has no moment of contact here: contact effects need a surface "
                             "at position zero, such as virtual_wall with \"unilateral\": true, or "
                             "predictive_wall",
                             kind));
   }
-  for (std::size_t i = 0; i < law["contact_effects"].size(); ++i) {
+  for (std::size_t i = 0; i < effects.size(); ++i) {
     try {
       std::visit(
           [&](const auto& effect) {
@@ -202,7 +211,7 @@ void check_wrappers(const Controller& controller, const json& document, double p
           controller.wrappers[i]);
     } catch (const Error& error) {
       const std::string key = error.place().substr(error.place().rfind('/') + 1);
-      const bool nested = law["contact_effects"][i].contains("transient");
+      const bool nested = effects[i].contains("transient");
       throw Error(
           error.code(),
           fmt::format("{}/contact_effects/{}{}/{}", place, i, nested ? "/transient" : "", key),
@@ -250,7 +259,7 @@ Law parse_predictive_wall(const json& c) {
   const json& d = c["device"];
   return PredictiveWall{.stiffness = c["stiffness"],
                         .damping = c["damping"],
-                        .device = {inertia_of(d), d["damping"], d["constant_effort"]},
+                        .device = {find_inertia(d), d["damping"], d["constant_effort"]},
                         .prediction = c["prediction"] == "none"
                                           ? PredictiveWall::Prediction::none
                                           : PredictiveWall::Prediction::half_sample,

@@ -14,7 +14,8 @@ namespace gyrator {
 
 // The keys of what is wrapped around a law, and of the predictive wall.
 
-/// To every law its list "contact_effects", and the kind "passivity" around all of them.
+/// To every law with a surface its list "contact_effects", and the kind "passivity" around all
+/// laws.
 std::vector<ObjectSpec> add_wrapper_specs(std::vector<ObjectSpec> laws, const MotionTerms& terms);
 
 /// The law within a controller: the controller itself, or what "passivity" wraps.

@@ -155,6 +155,8 @@ TEST(DryFriction, contradictions_are_refused_by_key) {
   EXPECT_EQ(place_of([](Mechanics& m) { m.coulomb_friction = -1; }), "mechanics/coulomb_friction");
   EXPECT_EQ(place_of([](Mechanics& m) { m.stribeck_velocity = -1; }),
             "mechanics/stribeck_velocity");
+  EXPECT_EQ(place_of([](Mechanics& m) { m.stiction = std::nullopt; }),  // falls from 0.3 to 0.3
+            "mechanics/stribeck_velocity");
   EXPECT_EQ(place_of([](Mechanics& m) { m.stops->upper = -1; }), "mechanics/stops/upper");
   EXPECT_EQ(place_of([](Mechanics& m) { m.stops->stiffness = 0; }), "mechanics/stops/stiffness");
   EXPECT_EQ(place_of([](Mechanics& m) { m.stops->damping = -1; }), "mechanics/stops/damping");
@@ -165,6 +167,7 @@ TEST(DryFriction, contradictions_are_refused_by_key) {
 TEST(DryFriction, the_linear_plant_leaves_contacts_out) {
   Device device = make_block();
   const Plant with = build_plant(build_device_network(device, FreeOperator{}));
+  device.mechanics.stribeck_velocity = 0;
   device.mechanics.coulomb_friction = 0;
   device.mechanics.stiction.reset();
   device.mechanics.stops.reset();
