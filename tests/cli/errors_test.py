@@ -297,6 +297,7 @@ class SimulateInputTest(ProgramTest):
         stops = {"lower": 0.2, "upper": 0.1, "stiffness": 5}
         for path, value, what in (
                 ("/mechanics/stiction", 1e-3, "at least coulomb_friction"),
+                ("/mechanics/stribeck_velocity", 0.1, "give a stiction above"),
                 ("/mechanics/stops", {"stiffness": 5}, "at least one"),
                 ("/mechanics/stops", stops, "must be above"),
                 ("/mechanics/stops", {"upper": 0.1}, "stiffness")):

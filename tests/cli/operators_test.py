@@ -152,6 +152,7 @@ class RecordingTest(HandTest):
         for rows, line, column, said in (("0,1\n1,\n", 3, "torque", "a gap"), ("0,1\n1\n", 3, "torque", "a gap"),
                                          ("0,1\n1,NaN\n", 3, "torque", "a gap"),
                                          ("0,1\n,2\n", 3, "time_s", "a gap"),
+                                         ("0,1\n1,inf\n", 3, "torque", "'inf': not finite"),
                                          ("0,one\n1,2\n", 2, "torque", "'one'"),
                                          ("0,1\n1,2\n1,3\n", 4, "time_s", "1 s after 1 s"),
                                          ("0,1\n1,2\n0.5,3\n", 4, "time_s", "0.5 s after 1 s"),
@@ -163,6 +164,8 @@ class RecordingTest(HandTest):
         self.refuse(self.model("time_s,torqe\n0,1\n1,2\n"), "push.csv:1", "'torque'", "did you mean 'torqe'?")
         self.refuse(self.model("t,torque\n0,1\n1,2\n"), "push.csv:1", "'time_s'", "allowed: t, torque")
         self.refuse(self.model(""), "push.csv", "is empty")
+        self.refuse(self.model("time_s,torque\n0,1\n1,2,5\n"), "push.csv:3", "3 fields", "the header has 2")
+        self.refuse(self.model("time_s,torque,torque\n0,1,2\n"), 'push.csv:1: column "torque"', "two of this name")
         self.refuse(self.model("time_s,torque\n"), "push.csv", "no row")
         self.refuse(self.model("time_s,torque\n0,1\n", file="none.csv"), "none.csv", "cannot be read")
 

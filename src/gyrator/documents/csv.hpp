@@ -25,8 +25,9 @@ struct CsvColumns {
 /// Quotes as of RFC 4180 in one line each; LF or CRLF; a byte-order mark and blank lines are
 /// passed over. Columns that are not asked for may hold anything.
 /// Throws bad_input for a file that cannot be read or has no row, an unknown column (with those
-/// there are), and, with file, line and column's name, for a field that is missing or is no finite
-/// number: a recording with gaps is no recording.
+/// there are), one whose name stands there twice, a row with more fields than the header, and, with
+/// file, line and column's name, for a field that is missing or is no finite number: a recording
+/// with gaps is no recording.
 CsvColumns read_csv(const std::string& path, const std::vector<std::string>& names);
 
 }  // namespace gyrator

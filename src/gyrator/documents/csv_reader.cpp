@@ -53,7 +53,8 @@ double parse_field(std::string_view text, const std::string& place) {
   }
   if (!std::isfinite(value)) {
     throw Error(ErrorCode::bad_input, place,
-                fmt::format("'{}': a gap; every row needs a finite number", text));
+                fmt::format("'{}': {}; every row needs a finite number", text,
+                            std::isnan(value) ? "a gap" : "not finite"));
   }
   return value;
 }
@@ -109,11 +110,20 @@ CsvColumns read_csv(const std::string& path, const std::vector<std::string>& nam
       throw Error(ErrorCode::bad_input, fmt::format("{}:{}", path, reader.line()),
                   describe_unknown_name("column", name, known));
     }
+    if (std::find(found + 1, known.end(), name) != known.end()) {
+      throw Error(ErrorCode::bad_input, place_of(path, reader.line(), name),
+                  "there are two of this name: it is not clear which is meant");
+    }
     at.push_back(static_cast<std::size_t>(found - known.begin()));
   }
   CsvColumns data;
   data.columns.resize(names.size());
   while (reader.next()) {
+    if (const std::size_t n = reader.fields().size(); n > known.size()) {
+      throw Error(ErrorCode::bad_input, fmt::format("{}:{}", path, reader.line()),
+                  fmt::format("{} fields, but the header has {}: is a decimal comma in it?", n,
+                              known.size()));
+    }
     for (std::size_t i = 0; i < names.size(); ++i) {
       const bool there = at[i] < reader.fields().size();
       data.columns[i].push_back(parse_field(there ? reader.fields()[at[i]] : std::string(),

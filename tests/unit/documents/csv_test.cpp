@@ -100,6 +100,11 @@ TEST(Csv, NamesFileLineAndColumnOfWhatItCannotRead) {
     const std::string message = refusal(std::string("time_s,force\n") + gap);
     EXPECT_TRUE(message.starts_with(":3: column \"force\": ")) << gap << message;
   }
+  EXPECT_NE(refusal("time_s,force\n0,1\n1,inf\n").find("not finite"), std::string::npos);
+  EXPECT_NE(refusal("time_s,force\n0,1\n1,nan\n").find("a gap"), std::string::npos);
+  EXPECT_TRUE(refusal("time_s,force\n0,1\n1,2,5\n").starts_with(":3: 3 fields"));
+  EXPECT_TRUE(refusal("\ntime_s,force,force\n0,1,2\n").starts_with(":2: column \"force\": there"));
+  EXPECT_EQ(refusal("time_s,force,x,x\n0,1,2,3\n"), "accepted");  // neither is asked for
   EXPECT_NE(refusal("time_s,forse\n0,1\n").find("did you mean 'forse'?"), std::string::npos);
   EXPECT_NE(refusal("").find("is empty"), std::string::npos);
   EXPECT_NE(refusal("time_s,force\n").find("no row"), std::string::npos);
