@@ -196,7 +196,7 @@ TEST(Gesture, a_recorded_motion_is_the_same_in_whatever_order_it_is_asked_for) {
 
 TEST(Gesture, a_recorded_motion_takes_about_as_long_as_a_recorded_force) {
   // Both ends of each period are looked up; from the start each time, 50000 rows would take
-  // thousands of times as long. Processor time: other programs do not count.
+  // hundreds of times as long. Processor time: other programs do not count.
   constexpr std::size_t rows = 50000;
   constexpr double h = 1e-3;
   const auto clocks = [&](bool is_motion) {
