@@ -21,7 +21,7 @@ TEST(ModelFormat, its_schema_says_the_same_as_one_that_shares_nothing) {
   EXPECT_EQ(resolve_schema(Json::parse(text)).dump(), whole.dump());
   // Laws stand in a law again, and everything in both motions: without sharing it would not be
   // read by anyone.
-  EXPECT_LT(text.size(), whole.dump(2).size() / 4);
+  EXPECT_LT(text.size(), whole.dump(2).size() / 3);
 }
 
 TEST(ModelFormat, no_two_parts_of_its_schema_are_written_twice) {
