@@ -27,6 +27,16 @@ void boundary_of_200_points(benchmark::State& state, Criterion criterion) {
   }
 }
 
+// What one Monte Carlo sample costs: a device not met before, one stiffness limit.
+void limit_of_a_new_device(benchmark::State& state) {
+  for (auto _ : state) {
+    StiffnessLimits limits(bench::make_rc_display(), Sampling{}, DifferenceEstimator{},
+                           FreeOperator{});
+    benchmark::DoNotOptimize(limits.find(Criterion::exact_disk, 1.5e-4));
+  }
+}
+
+BENCHMARK(limit_of_a_new_device)->Unit(benchmark::kMillisecond);
 BENCHMARK(verdict_passive)->Unit(benchmark::kMillisecond);
 BENCHMARK(verdict_with_counterexample)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(boundary_of_200_points, exact_disk, Criterion::exact_disk)

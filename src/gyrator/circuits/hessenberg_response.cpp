@@ -1,5 +1,7 @@
 #include "gyrator/circuits/hessenberg_response.hpp"
 
+#include "gyrator/core/plain_complex.hpp"
+
 #include <Eigen/Eigenvalues>
 
 namespace gyrator {
@@ -24,16 +26,6 @@ void HessenbergResponse::evaluate(std::complex<double> s, Eigen::MatrixXcd& resp
   using Complex = std::complex<double>;
   const Eigen::Index n = hessenberg_.rows();
   const Eigen::Index m = input_.cols();
-  // Plain products: the operands are finite, so the C99 rules for infinities cost for nothing.
-  const auto multiply = [](Complex a, Complex b) {
-    return Complex(a.real() * b.real() - a.imag() * b.imag(),
-                   a.real() * b.imag() + a.imag() * b.real());
-  };
-  const auto reciprocal = [](Complex a) {
-    const double scale = 1 / (a.real() * a.real() + a.imag() * a.imag());
-    return Complex(a.real() * scale, -a.imag() * scale);
-  };
-
   for (Eigen::Index j = 0; j < n; ++j) {
     for (Eigen::Index i = 0; i < n; ++i) work_(i, j) = -hessenberg_(i, j);
     work_(j, j) += s;
@@ -46,16 +38,17 @@ void HessenbergResponse::evaluate(std::complex<double> s, Eigen::MatrixXcd& resp
       solution_.row(j).swap(solution_.row(j + 1));
     }
     if (work_(j + 1, j) == Complex(0)) continue;
-    const Complex factor = multiply(work_(j + 1, j), reciprocal(work_(j, j)));
-    for (Eigen::Index k = j + 1; k < n; ++k) work_(j + 1, k) -= multiply(factor, work_(j, k));
-    for (Eigen::Index k = 0; k < m; ++k) solution_(j + 1, k) -= multiply(factor, solution_(j, k));
+    const Complex factor = plain_product(work_(j + 1, j), plain_reciprocal(work_(j, j)));
+    for (Eigen::Index k = j + 1; k < n; ++k) work_(j + 1, k) -= plain_product(factor, work_(j, k));
+    for (Eigen::Index k = 0; k < m; ++k)
+      solution_(j + 1, k) -= plain_product(factor, solution_(j, k));
   }
   for (Eigen::Index j = n; j-- > 0;) {
-    const Complex inverse = reciprocal(work_(j, j));
+    const Complex inverse = plain_reciprocal(work_(j, j));
     for (Eigen::Index k = 0; k < m; ++k) {
       Complex sum = solution_(j, k);
-      for (Eigen::Index i = j + 1; i < n; ++i) sum -= multiply(work_(j, i), solution_(i, k));
-      solution_(j, k) = multiply(sum, inverse);
+      for (Eigen::Index i = j + 1; i < n; ++i) sum -= plain_product(work_(j, i), solution_(i, k));
+      solution_(j, k) = plain_product(sum, inverse);
     }
   }
   response.resize(output_.rows(), m);

@@ -1,5 +1,8 @@
 #include "gyrator/passivity/aliased_disk.hpp"
 
+#include "gyrator/core/plain_complex.hpp"
+#include "gyrator/passivity/tail_quadrature.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,7 +17,7 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-constexpr int fewest_aliases = 24;
+constexpr int fewest_aliases = 16;
 constexpr int fewest_aliases_oscillating = 200;
 constexpr int most_aliases = 20000;
 
@@ -37,10 +40,6 @@ std::array<QuadratureNode, Points> gauss_nodes(double from, double to) {
   return nodes;
 }
 
-bool is_resonance(Complex pole) {
-  return std::abs(pole.imag()) > 0.3 * std::abs(pole);
-}
-
 // Fastest resonance that the sampling cannot take for smooth: real poles, and resonances as wide as
 // a few sampling frequencies (an operational amplifier's), need no direct terms.
 double find_fastest_resonance(const Eigen::VectorXcd& poles, double sampling_frequency) {
@@ -51,24 +50,6 @@ double find_fastest_resonance(const Eigen::VectorXcd& poles, double sampling_fre
     if (is_resonance(pole) && narrow) fastest = std::max(fastest, std::abs(pole));
   }
   return fastest;
-}
-
-// Edges of the tail's quadrature panels, in ln w: even ones, and close ones about every resonance.
-std::vector<double> make_panels(double from, double to, const Eigen::VectorXcd& poles) {
-  constexpr double widest = 0.6;
-  std::vector<double> edges;
-  const auto count = static_cast<int>(std::ceil(std::log(to / from) / widest));
-  for (int i = 0; i <= count; ++i)
-    edges.push_back(std::log(from) + i * std::log(to / from) / count);
-  for (const auto& pole : poles) {
-    if (!is_resonance(pole) || pole.imag() < 0) continue;
-    for (const double widths : {-9.0, -3.0, -1.0, 0.0, 1.0, 3.0, 9.0}) {
-      const double edge = pole.imag() + widths * std::abs(pole.real());
-      if (edge > from && edge < to) edges.push_back(std::log(edge));
-    }
-  }
-  std::sort(edges.begin(), edges.end());
-  return edges;
 }
 
 }  // namespace
@@ -108,13 +89,13 @@ Complex AliasedDisk::hold_factor(double omega) const {
 void AliasedDisk::note_damping(const PortResponse& response) {
   const double damping = response.impedance.real();
   if (damping >= least_.value) return;
-  least_ = {std::abs(response.omega), damping, damping < -1e-12 * std::abs(response.impedance)};
+  least_ = {std::abs(response.omega), damping, damping < -1e-12 * plain_abs(response.impedance)};
 }
 
 AliasedDisk::Term AliasedDisk::make_term(double omega) {
   const PortResponse r = model_.at(std::abs(omega));
   note_damping(r);
-  const Complex path = r.sensor_path * r.actuation;
+  const Complex path = plain_product(r.sensor_path, r.actuation);
   const Complex blocked = r.blocked_motion - model_.blocked_feedthrough();
   Term term{0, 0, path, blocked, std::max(0.0, r.impedance.real())};
   if (omega < 0) {
@@ -127,21 +108,16 @@ AliasedDisk::Term AliasedDisk::make_term(double omega) {
 void AliasedDisk::prepare_tail() {
   const double sampling_frequency = 2 * std::numbers::pi / period_;
   tail_start_ = (aliases_ + 1) * sampling_frequency;
-  const double fastest = model_.poles().size() > 0 ? model_.poles().cwiseAbs().maxCoeff() : 0;
-  far_omega_ = 1e3 * std::max(tail_start_, fastest);
-  // sum over n -> (1/w_s) integral of g(w)/w^2 dw; in t = ln w the integrand is g/w.
-  const std::vector<double> edges = make_panels(tail_start_, far_omega_, model_.poles());
-  for (std::size_t p = 0; p + 1 < edges.size(); ++p) {
-    if (!(edges[p + 1] > edges[p])) continue;
-    for (const auto& node : gauss_nodes<8>(edges[p], edges[p + 1])) {
-      const double omega = std::exp(node.x);
-      Term term = make_term(omega);
-      term.radius_weight = node.weight / omega / sampling_frequency;
-      tail_.push_back(term);
-    }
+  far_omega_ = find_tail_end(tail_start_, model_.poles());
+  // sum over n -> (1/w_s) integral of g(w)/w^2 dw
+  for (const TailNode& node : make_tail_nodes(tail_start_, far_omega_, model_.poles())) {
+    Term term = make_term(node.omega);
+    term.radius_weight = node.weight / sampling_frequency;
+    tail_.push_back(term);
   }
   far_ = make_term(far_omega_);
   farther_ = make_term(10 * far_omega_);
+  bare_tail_ = sum_tail(0);
 }
 
 AliasedDisk::Terms AliasedDisk::collect(double omega) {
@@ -150,10 +126,14 @@ AliasedDisk::Terms AliasedDisk::collect(double omega) {
   Terms terms;
   terms.omega = omega;
   terms.aliases.reserve(static_cast<std::size_t>(2 * aliases_) + 24);
+  const double hold_size = plain_abs(hold);
+  // e^(-jw_n t_d) is the same at every alias where the delay is whole.
+  const Complex base_turn = std::polar(1.0, -omega * delay_);
   const auto weigh = [&](Term term, double at, double factor) {
-    term.center_weight =
-        -factor * hold * std::polar(1.0, -at * delay_) / (at * at);  // 1/(jw)^2 = -1/w^2
-    term.radius_weight = factor * std::abs(hold) / (at * at);
+    const Complex turn = whole_delay_ ? base_turn : std::polar(1.0, -at * delay_);
+    const double weight = factor / (at * at);
+    term.center_weight = -weight * plain_product(hold, turn);  // 1/(jw)^2 = -1/w^2
+    term.radius_weight = weight * hold_size;
     return term;
   };
   terms.base = weigh(make_term(omega), omega, 1);
@@ -177,10 +157,7 @@ AliasedDisk::Terms AliasedDisk::collect(double omega) {
     const double a = (aliases_ + 0.5) * sampling_frequency + side * omega;
     const auto add = [&](double at, double factor) {
       Term term = weigh(make_term(side * at), side * at, factor);
-      if (!whole_delay_) term.center_weight = 0;
-      // e^(-jw_n t_d) is the same at every alias, but not between them.
-      if (whole_delay_)
-        term.center_weight = -factor * hold * std::polar(1.0, -omega * delay_) / (at * at);
+      if (!whole_delay_) term.center_weight = 0;  // oscillates between the aliases
       terms.aliases.push_back(term);
     };
     for (const auto& node : gauss_nodes<6>(a, tail_start_))
@@ -190,60 +167,71 @@ AliasedDisk::Terms AliasedDisk::collect(double omega) {
       add(a + sign * 3 * h * sampling_frequency, sign * far_weight);
     }
   }
-  terms.tail_factor = -hold * std::polar(1.0, -omega * delay_);
+  terms.tail_factor = -plain_product(hold, base_turn);
   return terms;
 }
 
-DiskPoint AliasedDisk::evaluate(const Terms& terms, double extra_damping) const {
-  const auto half_over = [&](const Term& term) {  // 1/(2 Re Z)
-    const double damping = term.damping + extra_damping;
-    return damping > 0 ? 1 / (2 * damping) : infinity;
+namespace {
+
+// 1/(2 Re Z) of a term with a path; without one its damping does not matter.
+double find_compliance(const AliasedDisk::Term& term, double size, double extra_damping) {
+  if (!(size > 0)) return 0;
+  const double damping = term.damping + extra_damping;
+  return damping > 0 ? 1 / (2 * damping) : infinity;
+}
+
+}  // namespace
+
+AliasedDisk::Tail AliasedDisk::sum_tail(double extra_damping) const {
+  Tail tail;
+  for (const Term& term : tail_) {
+    const double size = plain_abs(term.path);
+    const double compliance = find_compliance(term, size, extra_damping);
+    const Complex reach = term.blocked + (size > 0 ? term.path * compliance : Complex(0));
+    tail.center += term.radius_weight * reach;
+    tail.size += term.radius_weight * std::abs(reach);
+    tail.radius += term.radius_weight * size * compliance;
+  }
+  // Behind the last panel g ~ w^q: integral of g/w^2 from W is g(W)/(W (1 - q)).
+  const double sampling_frequency = 2 * std::numbers::pi / period_;
+  const auto reach_at = [&](const Term& term) {
+    const double size = std::abs(term.path);
+    return size * find_compliance(term, size, extra_damping);
   };
+  const double near = reach_at(far_);
+  if (near > 0) {
+    const double exponent = std::log10(reach_at(farther_) / near);
+    const double weight =
+        exponent < 0.95 ? 1 / (far_omega_ * sampling_frequency * (1 - exponent)) : infinity;
+    tail.center += weight * far_.path * find_compliance(far_, std::abs(far_.path), extra_damping);
+    tail.size += weight * near;
+    tail.radius += weight * near;
+  }
+  return tail;
+}
+
+DiskPoint AliasedDisk::evaluate(const Terms& terms, double extra_damping) const {
   Complex center = terms.feedthrough;
   double radius = 0;
   double oscillating = 0;  // bound of the centre's tail where the delay makes it oscillate
   for (const Term& term : terms.aliases) {
-    const double size = std::abs(term.path);
-    const double compliance = size > 0 ? half_over(term) : 0;
-    center +=
-        term.center_weight * (term.blocked + (size > 0 ? term.path * compliance : Complex(0)));
+    const double size = plain_abs(term.path);
+    const double compliance = find_compliance(term, size, extra_damping);
+    const Complex reach = size > 0 ? term.blocked + term.path * compliance : term.blocked;
+    center += plain_product(term.center_weight, reach);
     radius += term.radius_weight * size * compliance;
-    if (!whole_delay_ && term.center_weight == Complex(0)) {
-      oscillating += term.radius_weight * (std::abs(term.blocked) + size * compliance);
-    }
+    if (!whole_delay_ && term.center_weight == Complex(0))
+      oscillating += term.radius_weight * (plain_abs(term.blocked) + size * compliance);
   }
-  Complex tail_center = 0;
-  double tail_size = 0;  // of the centre's terms one by one
-  double tail_radius = 0;
-  for (const Term& term : tail_) {
-    const double size = std::abs(term.path);
-    const double compliance = size > 0 ? half_over(term) : 0;
-    const Complex reach = term.blocked + (size > 0 ? term.path * compliance : Complex(0));
-    tail_center += term.radius_weight * reach;
-    tail_size += term.radius_weight * std::abs(reach);
-    tail_radius += term.radius_weight * size * compliance;
-  }
-  // Behind the last panel g ~ w^q: integral of g/w^2 from W is g(W)/(W (1 - q)).
-  const double sampling_frequency = 2 * std::numbers::pi / period_;
-  const double near = std::abs(far_.path) > 0 ? std::abs(far_.path) * half_over(far_) : 0;
-  const double farther =
-      std::abs(farther_.path) > 0 ? std::abs(farther_.path) * half_over(farther_) : 0;
-  if (near > 0) {
-    const double exponent = std::log10(farther / near);
-    const double weight =
-        exponent < 0.95 ? 1 / (far_omega_ * sampling_frequency * (1 - exponent)) : infinity;
-    tail_center += weight * far_.path * half_over(far_);
-    tail_size += weight * near;
-    tail_radius += weight * near;
-  }
+  const Tail tail = extra_damping == 0 ? bare_tail_ : sum_tail(extra_damping);
   const double factor = std::abs(terms.tail_factor);
   if (whole_delay_) {
     // Upper aliases carry the tail as it is, lower ones its conjugate.
-    center += terms.tail_factor * 2.0 * tail_center.real();
+    center += terms.tail_factor * 2.0 * tail.center.real();
   } else {
-    oscillating += 2 * factor * tail_size;
+    oscillating += 2 * factor * tail.size;
   }
-  radius += 2 * factor * tail_radius + oscillating;
+  radius += 2 * factor * tail.radius + oscillating;
 
   DiskPoint point;
   point.omega = terms.omega;

@@ -88,6 +88,12 @@ class AliasedDisk {
   std::complex<double> sum_feedthrough(double omega, std::complex<double> base_weight) const;
   void note_damping(const PortResponse& response);
   void prepare_tail();
+  /// The integral behind the direct terms, without its factor: centre, its terms' sizes, radius.
+  struct Tail {
+    std::complex<double> center;
+    double size = 0, radius = 0;
+  };
+  Tail sum_tail(double extra_damping) const;
 
   PortModel model_;
   double period_;
@@ -97,6 +103,7 @@ class AliasedDisk {
   int aliases_;
   double tail_start_ = 0;   // [rad/s]
   std::vector<Term> tail_;  // quadrature of the integral from tail_start_, weights for 1/w^2
+  Tail bare_tail_;          // without extra damping
   Term far_, farther_;      // the power law behind the last panel is read off these two
   double far_omega_ = 0;
   LeastDamping least_;

@@ -13,6 +13,7 @@ namespace {
 // to the square of this.
 constexpr double below_slowest = 1e-4;
 constexpr int points_per_decade = 30;
+constexpr int points_per_flat_decade = 8;  // a tenth of the slowest pole and below
 constexpr int points_to_nyquist = 64;
 
 double fold(double omega, double period) {
@@ -31,9 +32,13 @@ std::vector<double> make_judging_grid(const Eigen::VectorXcd& poles, double peri
   }
   std::vector<double> grid;
   const double low = below_slowest * slowest;
-  const double decades = std::log10(nyquist / low);
-  const int points = static_cast<int>(std::ceil(decades * points_per_decade));
-  for (int i = 0; i <= points; ++i) grid.push_back(low * std::pow(10.0, decades * i / points));
+  const auto add_decades = [&](double from, double to, int density) {
+    const double decades = std::log10(to / from);
+    const int points = static_cast<int>(std::ceil(decades * density));
+    for (int i = 0; i <= points; ++i) grid.push_back(from * std::pow(10.0, decades * i / points));
+  };
+  add_decades(low, slowest / 10, points_per_flat_decade);
+  add_decades(slowest / 10, nyquist, points_per_decade);
   for (int i = 1; i <= points_to_nyquist; ++i) grid.push_back(nyquist * i / points_to_nyquist);
   for (const auto& pole : poles) {
     const double width = std::max(std::abs(pole.real()), 1e-9 * std::abs(pole));

@@ -3,6 +3,7 @@
 #include "gyrator/circuits/descriptor_response.hpp"
 #include "gyrator/circuits/reduction.hpp"
 #include "gyrator/core/interrupt.hpp"
+#include "gyrator/core/plain_complex.hpp"
 
 #include <numbers>
 
@@ -35,6 +36,55 @@ StateSpace make_admittance(const DeviceNetwork& device) {
   return system;
 }
 
+// From free to blocked: dv/dt = C A x + C B_f f + C B_u u is solved for f. The state loses the
+// direction that v itself fixes, x = w + B_f v/(C B_f) with C w = 0; of w the component with the
+// largest entry in C is left out.
+BlockedDevice block_port(const StateSpace& free, bool collocated) {
+  const Eigen::VectorXd by_command = free.B.col(0);
+  const Eigen::VectorXd by_effort = free.B.col(1);
+  const Eigen::RowVectorXd port = free.C.row(0);
+  BlockedDevice blocked;
+  blocked.inertia = 1 / port.dot(by_effort);
+  const double m = blocked.inertia;
+  const Eigen::RowVectorXd drift = m * port * free.A;
+  const Eigen::MatrixXd A = free.A - by_effort * drift;
+  const Eigen::VectorXd command = by_command - by_effort * (m * port.dot(by_command));
+  const Eigen::VectorXd velocity = A * by_effort * m;
+
+  Eigen::Index fixed = 0;
+  port.cwiseAbs().maxCoeff(&fixed);
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < A.rows(); ++i) {
+    if (i != fixed) kept.push_back(i);
+  }
+  const auto n = static_cast<Eigen::Index>(kept.size());
+  Eigen::MatrixXd embed = Eigen::MatrixXd::Zero(A.rows(), n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Eigen::Index i = kept[static_cast<std::size_t>(k)];
+    embed(i, k) = 1;
+    embed(fixed, k) = -port(i) / port(fixed);
+  }
+  StateSpace& system = blocked.system;
+  system.A = A(kept, Eigen::all) * embed;
+  system.B.resize(n, 2);
+  system.B << command(kept), velocity(kept);
+  const Eigen::Index outputs = collocated ? 1 : 2;
+  system.C.resize(outputs, n);
+  system.D.resize(outputs, 2);
+  system.C.row(0) = -drift * embed;
+  system.D.row(0) << -m * port.dot(by_command), -m * drift.dot(by_effort);
+  if (!collocated) {
+    system.C.row(1) = free.C.row(1) * embed;
+    system.D.row(1) << free.D(1, 0), m * free.C.row(1).dot(by_effort);
+  }
+  return blocked;
+}
+
+BlockedDevice block_port(const Device& device) {
+  const DeviceNetwork network = build_device_network(device, FreeOperator{});
+  return block_port(make_admittance(network), network.collocated);
+}
+
 Eigen::VectorXcd poles_of(const Device& device, const Operator& held_by) {
   const NetworkEquations equations(build_device_network(device, held_by).network);
   return compute_poles(reduce(equations.descriptor()).A);
@@ -62,14 +112,11 @@ std::vector<PortResponse> compute_port_response(const Device& device,
   return responses;
 }
 
-PortModel::PortModel(const StateSpace& admittance, bool collocated)
-    : response_(admittance),
-      collocated_(collocated),
-      blocked_feedthrough_(collocated ? 0 : admittance.D(1, 0)) {}
-
 PortModel::PortModel(const Device& device)
-    : PortModel(make_admittance(build_device_network(device, FreeOperator{})),
-                build_device_network(device, FreeOperator{}).collocated) {
+    : blocked_(block_port(device)),
+      response_(blocked_.system),
+      modes_(ModalResponse::find(blocked_.system)),
+      blocked_feedthrough_(collocated() ? 0 : blocked_.system.D(1, 0)) {
   const Eigen::VectorXcd free = poles_of(device, FreeOperator{});
   const Eigen::VectorXcd clamped = poles_of(device, ClampedOperator{});
   poles_.resize(free.size() + clamped.size());
@@ -77,8 +124,21 @@ PortModel::PortModel(const Device& device)
 }
 
 PortResponse PortModel::at(double omega) {
-  response_.evaluate(Complex(0, omega), admittance_);
-  return from_admittance(omega, admittance_, collocated_);
+  ModalResponse::Entries y{};
+  if (modes_ && omega <= modes_->highest()) {
+    y = modes_->at(omega);
+  } else {
+    response_.evaluate(Complex(0, omega), entries_);
+    for (Eigen::Index r = 0; r < entries_.rows(); ++r) {
+      for (Eigen::Index c = 0; c < 2; ++c) y[static_cast<std::size_t>(2 * r + c)] = entries_(r, c);
+    }
+  }
+  PortResponse response{omega, y[1] + Complex(0, omega * blocked_.inertia), -y[0], 1.0, 0.0};
+  if (!collocated()) {
+    response.sensor_path = y[3];
+    response.blocked_motion = y[2];
+  }
+  return response;
 }
 
 }  // namespace gyrator

@@ -1,9 +1,11 @@
 #pragma once
 
 #include "gyrator/circuits/hessenberg_response.hpp"
+#include "gyrator/circuits/modal_response.hpp"
 #include "gyrator/mechanics/device.hpp"
 
 #include <complex>
+#include <optional>
 #include <vector>
 
 namespace gyrator {
@@ -28,7 +30,16 @@ struct PortResponse {
 std::vector<PortResponse> compute_port_response(const Device& device,
                                                 const std::vector<double>& frequency_hz);
 
-/// The same from the reduced state space, fast enough for sums over many aliases.
+/// The device as it is with the port's velocity imposed, a state space of (port-1),
+///   dx/dt = A x + B [u; v_p],   [f_h - m dv_p/dt; v_s] = C x + D [u; v_p]              (port-2)
+/// with m the inertia that is rigid with the port: what is left of Z is proper, and its real part
+/// no small difference of large numbers. Its poles are those of the device held still.
+struct BlockedDevice {
+  double inertia = 0;  ///< m [kg, kg.m^2]
+  StateSpace system;   ///< one output where the sensor sees the port itself (S = 1, M = 0)
+};
+
+/// The same response from the reduced state space, fast enough for sums over many aliases.
 class PortModel {
  public:
   explicit PortModel(const Device& device);
@@ -41,14 +52,18 @@ class PortModel {
   /// Poles of the device with the port free and with it clamped [rad/s]: where its response varies.
   const Eigen::VectorXcd& poles() const { return poles_; }
 
- private:
-  PortModel(const StateSpace& admittance, bool collocated);
+  const BlockedDevice& blocked() const { return blocked_; }
+  bool collocated() const { return blocked_.system.C.rows() == 1; }
+  /// Its modes; none where they do not reproduce it.
+  const std::optional<ModalResponse>& modes() const { return modes_; }
 
+ private:
+  BlockedDevice blocked_;
   HessenbergResponse response_;
+  std::optional<ModalResponse> modes_;
   Eigen::VectorXcd poles_;
-  bool collocated_;
   double blocked_feedthrough_;
-  Eigen::MatrixXcd admittance_;
+  Eigen::MatrixXcd entries_;
 };
 
 }  // namespace gyrator

@@ -63,6 +63,8 @@ class Judge {
     worst_ = find_minimum(limits_.grid(), values, [&](double omega) {
       return limits_.disk().at(omega).damping_margin(law_at(omega));
     });
+    proof_ = prove_disk(limits_.disk().model(), model_.sampling, law_);
+    meet_proof();
     exact.margin = worst_.value;
     exact.worst_frequency_hz = worst_.omega / (2 * pi);
     v.worst_disk = limits_.disk().at(worst_.omega);
@@ -70,17 +72,22 @@ class Judge {
     const auto& least = limits_.disk().least_damping();
     v.least_damping = least.value;
     v.least_damping_frequency_hz = least.omega / (2 * pi);
-    v.device_passive = !least.active;
+    v.device_passive = !least.active && !proof_.active;
+    if (proof_.active && proof_.margin < v.least_damping) {
+      v.least_damping = proof_.margin;
+      v.least_damping_frequency_hz = proof_.omega / (2 * pi);
+    }
     // The margin of an active device has no number where the disk is all of the plane.
-    if (least.active && !(std::isfinite(exact.margin) && exact.margin <= least.value)) {
-      exact.margin = least.value;
+    if (!v.device_passive && !(std::isfinite(exact.margin) && exact.margin <= v.least_damping)) {
+      exact.margin = v.least_damping;
       exact.worst_frequency_hz = v.least_damping_frequency_hz;
     }
     const Plant free = build_plant(build_device_network(model_.device, FreeOperator{}));
     v.uncoupled_spectral_radius =
         compute_spectral_radius(build_loop_matrix(sample_plant(free, model_.sampling), law_));
     const bool stable_alone = v.uncoupled_spectral_radius <= 1 + stability_tolerance;
-    exact.holds = worst_.value > 0 && stable_alone && v.device_passive;
+    const bool proved = proof_.outcome == ProofOutcome::proved;
+    exact.holds = worst_.value > 0 && stable_alone && v.device_passive && proved;
     if (const auto wall = find_wall_values(model_.controller)) {
       exact.max_stiffness = limits_.find(Criterion::exact_disk, wall->damping).stiffness;
     } else if (const auto* held = find_held_impedance(model_.device)) {
@@ -98,11 +105,25 @@ class Judge {
           "the device's damping vanishes at high frequency faster than the command path: no bound "
           "exists; "
           "give the mechanics some viscous damping";
+    } else if (worst_.value > 0 && !proved) {
+      exact.reason = fmt::format(
+          "too close to the limit to be decided: at {:.4g} Hz the margin is within what rounding "
+          "and the last aliases may make",
+          proof_.omega / (2 * pi));
     } else {
       exact.reason =
           "aliased disk of all passive operators: command path, sensor place and delay included";
     }
+    v.loops = {{"in_contact", law_, v.uncoupled_spectral_radius, proof_}};
     return exact;
+  }
+
+  // A dip between the points of the grid is met by the proof alone.
+  void meet_proof() {
+    if (proof_.outcome != ProofOutcome::violated) return;
+    if (proof_.active) return;  // the device by itself
+    const double margin = limits_.disk().at(proof_.omega).damping_margin(law_at(proof_.omega));
+    if (margin < worst_.value) worst_ = {proof_.omega, margin};
   }
 
   void explain(Verdict& v) const {
@@ -132,7 +153,10 @@ class Judge {
       return;
     }
     v.explanation = "Some passive operator makes the loop unstable.";
-    if (!v.device_passive || v.uncoupled_spectral_radius > 1 + stability_tolerance) {
+    const bool undecided = proof_.outcome == ProofOutcome::undecided && worst_.value > 0;
+    if (undecided && v.device_passive && v.uncoupled_spectral_radius <= 1 + stability_tolerance) {
+      v.explanation = fmt::format("Not proved passive: {}.", exact->reason);
+    } else if (!v.device_passive || v.uncoupled_spectral_radius > 1 + stability_tolerance) {
       v.explanation = fmt::format("Not passive: {}.", exact->reason);
     } else if (textbook->holds) {
       v.explanation += textbook->applies
@@ -189,12 +213,22 @@ class Judge {
       if (left.value > 0) break;
       terms.push_back(limits_.disk().collect(left.omega));
     }
-    const Plant damped =
-        build_plant(build_device_network(model_.device, MassSpringDamper{0, *extra, 0, {}}));
-    const double radius =
-        compute_spectral_radius(build_loop_matrix(sample_plant(damped, model_.sampling), law_));
-    if (radius > 1 + stability_tolerance) return std::nullopt;
-    return extra;
+    // As much more as the proof wants between the points.
+    for (const double more : {0.0, 1e-6, 1e-5, 1e-4, 1e-3}) {
+      if (mends(*extra * (1 + more))) return *extra * (1 + more);
+    }
+    return std::nullopt;
+  }
+
+  // Whether the loop is passive with a damper at the port.
+  bool mends(double extra_damping) const {
+    Device damped = model_.device;
+    damped.drive.damping.emplace_back(EddyCurrentBrake{extra_damping, true});
+    PortModel port(damped);
+    if (prove_disk(port, model_.sampling, law_).outcome != ProofOutcome::proved) return false;
+    const Plant plant = build_plant(build_device_network(damped, FreeOperator{}));
+    return compute_spectral_radius(build_loop_matrix(sample_plant(plant, model_.sampling), law_)) <=
+           1 + stability_tolerance;
   }
 
   // Bracket by doubling, then bisect.
@@ -248,6 +282,7 @@ class Judge {
   StiffnessLimits limits_;
   std::vector<std::complex<double>> laws_;
   Minimum worst_;  // of D over frequency
+  DiskProof proof_;
 };
 
 }  // namespace
@@ -263,7 +298,11 @@ Verdict judge_passivity(const PassivityModel& model, bool search_counterexample)
   PassivityModel free = model;
   std::get<VirtualCoupling>(free.controller.law).wall.reset();
   Verdict unloaded = Judge(free).judge(search_counterexample);
-  if (unloaded.passive) return verdict;
+  unloaded.loops.front().name = "free";
+  if (unloaded.passive) {
+    verdict.loops.push_back(unloaded.loops.front());
+    return verdict;
+  }
   unloaded.judged = free.controller;
   unloaded.explanation += " (With the tool away from its wall; in contact it is passive.)";
   return unloaded;

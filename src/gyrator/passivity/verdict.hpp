@@ -2,6 +2,7 @@
 
 #include "gyrator/controllers/controller.hpp"
 #include "gyrator/passivity/counterexample.hpp"
+#include "gyrator/passivity/disk_proof.hpp"
 #include "gyrator/passivity/stiffness_limit.hpp"
 
 #include <optional>
@@ -27,8 +28,18 @@ struct DampingCurves {
   std::vector<double> frequency_hz, physical, virtual_damping, total, exact;
 };
 
+/// A linear loop that was judged, and what is proved of it.
+struct JudgedLoop {
+  std::string name;  ///< "in_contact", or "free": a coupling's tool away from its wall
+  DiscreteStateSpace law;
+  double uncoupled_spectral_radius = 0;
+  DiskProof proof;
+};
+
 struct Verdict {
   bool passive = false;
+  /// All that a passive verdict rests on; the first that is not where it is not passive.
+  std::vector<JudgedLoop> loops;
   Controller judged;        ///< the controller in the state that the verdict speaks of
   std::string explanation;  ///< one sentence
   std::vector<CriterionResult> criteria;
@@ -54,9 +65,10 @@ struct PassivityModel {
   double quantum = 0;  ///< encoder quantum [m, rad]
 };
 
-/// Judges the sampled loop for every passive operator. The verdict is the exact disk's; the
-/// textbook criteria stand beside it with the reason where they do not apply. Throws numerical
-/// for a device that is unstable alone.
+/// Judges the sampled loop for every passive operator. The verdict is the exact disk's, proved
+/// between the points too (prove_disk), so that one too close to call is not passive; the textbook
+/// criteria stand beside it with the reason where they do not apply. Throws numerical for a device
+/// that is unstable alone.
 Verdict judge_passivity(const PassivityModel& model, bool search_counterexample = true);
 
 }  // namespace gyrator

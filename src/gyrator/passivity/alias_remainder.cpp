@@ -1,0 +1,126 @@
+#include "gyrator/passivity/alias_remainder.hpp"
+
+#include "gyrator/passivity/tail_quadrature.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace gyrator {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double reserve = 2e-3;  // of the tail's integral
+
+}  // namespace
+
+AliasRemainder::AliasRemainder(PortModel& model, double period, double delay, bool whole,
+                               int direct, int bounded)
+    : sampling_frequency_(2 * std::numbers::pi / period) {
+  const double theta = whole ? 0 : sampling_frequency_ * delay;
+  for (int k = direct + 1; k <= bounded; ++k) add_alias(model, k, theta);
+  add_tail(model, (bounded + 0.5) * sampling_frequency_, whole, theta);
+}
+
+// The k-th alias above and the k-th below, |w| = w_s (k ± x), to second order in x.
+void AliasRemainder::add_alias(PortModel& model, int k, double theta) {
+  const double w_s = sampling_frequency_;
+  const PortTaylor port = expand_port(model, k * w_s, w_s / 2);
+  if (!(port.damping.lowest_real() > 0)) {
+    if (undamped_at_ == 0) undamped_at_ = k * w_s;
+    left_out_ = infinity;
+    return;
+  }
+  const TaylorModel reach = port.path * (Complex(0.5) * reciprocal(port.damping));
+  const TaylorModel center = port.blocked + reach;
+  const TaylorModel radius = majorant(reach);
+  // 1/(k + y)^2 = (1 - 2 y/k + 3 y^2/k^2 - …)/k^2, with y = x above and -x below; what follows is
+  // at most 4 |y/k|^3/(1 - |y/k|)^5 of it.
+  const double square = 1 / (w_s * w_s * k * k);
+  const double beyond = 4 * std::pow(0.5 / k, 3) / std::pow(1 - 0.5 / k, 5);
+  const auto add = [&](Quadratic& sum, Complex value, Complex slope, Complex turn, double sign) {
+    const Complex s = sign * slope * w_s;  // over x
+    sum.a0 += turn * square * value;
+    sum.a1 += turn * square * (s - sign * 2.0 / k * value);
+    sum.a2 += turn * square * (3.0 / k / k * value - sign * 2.0 / k * s);
+    // What the product of both expansions has beyond the second order, |x| <= 1/2.
+    left_out_ += square * (plain_abs(value) * beyond + plain_abs(s) * 0.5 * 3 * 0.25 / k / k * 1.2);
+  };
+  const Complex turn = std::polar(1.0, -k * theta);
+  add(center_, center.value, center.slope, turn, 1);
+  add(center_, std::conj(center.value), std::conj(center.slope), std::conj(turn), -1);
+  add(radius_, radius.value, radius.slope, 1, 1);
+  add(radius_, radius.value, radius.slope, 1, -1);
+  const double bend = (center.curvature + radius.curvature) * w_s * w_s / 4;
+  left_out_ += 2 * square * bend * 1.2;
+}
+
+// integral of g/w^2 over panels in ln w, then a power law.
+void AliasRemainder::add_tail(PortModel& model, double from, bool whole, double theta) {
+  const double w_s = sampling_frequency_;
+  const double to = find_tail_end(from, model.poles());
+  struct Reach {
+    Complex center;
+    double size = 0;
+  };
+  const auto reach_at = [&](double omega) -> Reach {
+    const PortResponse r = model.at(omega);
+    const Complex path = plain_product(r.sensor_path, r.actuation);
+    const double size = plain_abs(path);
+    if (size == 0) return {r.blocked_motion, 0};
+    const double damping = r.impedance.real();
+    if (!(damping > 0)) return {0, infinity};
+    return {r.blocked_motion + path / (2 * damping), size / (2 * damping)};
+  };
+  Complex center = 0;
+  double size = 0;
+  double radius = 0;
+  double variation = 0;  // of the centre's terms g/w^2
+  Complex last = 0;
+  auto nodes = make_tail_nodes(from, to, model.poles());
+  std::sort(nodes.begin(), nodes.end(),
+            [](const TailNode& a, const TailNode& b) { return a.omega < b.omega; });
+  for (const TailNode& node : nodes) {
+    const Reach g = reach_at(node.omega);
+    const double weight = node.weight / w_s;
+    center += weight * g.center;
+    size += weight * plain_abs(g.center);
+    radius += weight * g.size;
+    const Complex term = g.center / (node.omega * node.omega);
+    variation += plain_abs(term - last);  // from zero to the first, and so on
+    last = term;
+  }
+  const double near = reach_at(to).size;
+  if (near > 0) {
+    const double exponent = std::log10(reach_at(10 * to).size / near);
+    const double rest = exponent < 0.95 ? near / (to * w_s * (1 - exponent)) : infinity;
+    radius += rest;
+    left_out_ += 2 * rest;
+  }
+  radius_.a0 += 2 * radius;
+  left_out_ += 2 * reserve * radius;
+  if (whole) {
+    center_.a0 += 2 * center.real();
+    left_out_ += 2 * reserve * size;
+  } else {
+    // By parts: partial sums of e^(-jk theta) are at most 1/|sin(theta/2)|.
+    left_out_ += 2 * std::min(1.01 * size, 1.1 * variation / std::abs(std::sin(theta / 2)));
+  }
+}
+
+TaylorModel AliasRemainder::expand(const Quadratic& q, double omega, double reach) const {
+  const double x = omega / sampling_frequency_;
+  return {q.a0 + x * (q.a1 + x * q.a2), (q.a1 + 2 * x * q.a2) / sampling_frequency_,
+          plain_abs(q.a2) / (sampling_frequency_ * sampling_frequency_), reach};
+}
+
+TaylorModel AliasRemainder::center(double omega, double reach) const {
+  return expand(center_, omega, reach);
+}
+
+TaylorModel AliasRemainder::radius(double omega, double reach) const {
+  return expand(radius_, omega, reach) + left_out_;
+}
+
+}  // namespace gyrator

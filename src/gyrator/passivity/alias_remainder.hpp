@@ -1,0 +1,41 @@
+#pragma once
+
+#include "gyrator/passivity/port_taylor.hpp"
+
+namespace gyrator {
+
+/// The aliases beyond the n-th on either side, over the whole range of base frequencies at once:
+///   sum_{|k|>n} e^(-jk w_s t_d) (M + S A/(2R))(j w_k)/w_k^2   and   sum_{|k|>n} |S A|/(2R)/w_k^2
+/// as quadratics in x = w/w_s, 0 <= x <= 1/2, with a bound on what is left out. (remainder-1)
+class AliasRemainder {
+ public:
+  /// Beyond `direct` on either side; one by one up to `bounded`. delay [s]; `whole`: of periods.
+  AliasRemainder(PortModel& model, double period, double delay, bool whole, int direct,
+                 int bounded);
+
+  /// The first sum, without its remainder.
+  TaylorModel center(double omega, double reach) const;
+  /// The second, with what is left out of both.
+  TaylorModel radius(double omega, double reach) const;
+
+  /// The part of radius() that is left out of the sums; not a part of the disk itself.
+  double left_out() const { return left_out_; }
+
+  /// Lowest frequency at which an alias's damping could not be bounded away from zero; 0: none.
+  double undamped_at() const { return undamped_at_; }
+
+ private:
+  struct Quadratic {
+    std::complex<double> a0, a1, a2;
+  };
+  TaylorModel expand(const Quadratic& q, double omega, double reach) const;
+  void add_alias(PortModel& model, int k, double theta);
+  void add_tail(PortModel& model, double from, bool whole, double theta);
+
+  double sampling_frequency_;
+  Quadratic center_, radius_;
+  double left_out_ = 0;
+  double undamped_at_ = 0;
+};
+
+}  // namespace gyrator

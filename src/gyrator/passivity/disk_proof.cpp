@@ -1,0 +1,320 @@
+#include "gyrator/passivity/disk_proof.hpp"
+
+#include "gyrator/core/interrupt.hpp"
+#include "gyrator/cosim/sampled_plant.hpp"
+#include "gyrator/passivity/alias_remainder.hpp"
+#include "gyrator/passivity/tail_quadrature.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+namespace gyrator {
+namespace {
+
+using Complex = std::complex<double>;
+using std::numbers::pi;
+
+constexpr double rounding = 1e-11;      // of the sizes of what is summed
+constexpr double narrowest = 1e-10;     // interval, of its frequency
+constexpr double below_slowest = 1e-4;  // where the limit at zero frequency is reached
+constexpr int fewest_direct = 12;
+constexpr int bounded_beyond = 300;
+constexpr int most_evaluations = 400000;
+
+bool is_zero(const DiscreteStateSpace& law) {
+  return law.D == 0 && (law.states() == 0 || law.C.isZero(0));
+}
+
+// Beyond every resonance of the device, so that what is left is smooth over a sampling frequency.
+int count_direct_aliases(const PortModel& model, double sampling_frequency) {
+  double fastest = 0;
+  for (const auto& pole : model.poles()) {
+    if (is_resonance(pole) && std::abs(pole.real()) < 4 * sampling_frequency)
+      fastest = std::max(fastest, std::abs(pole));
+  }
+  return std::clamp(static_cast<int>(2 * fastest / sampling_frequency) + 1, fewest_direct, 20000);
+}
+
+// Below this nothing varies any more: far below every pole of device and law.
+double find_lowest_omega(const PortModel& model, const DiscreteStateSpace& law, double period) {
+  double slowest = pi / period;
+  const double fastest = model.poles().size() > 0 ? model.poles().cwiseAbs().maxCoeff() : 0;
+  for (const auto& pole : model.poles()) {
+    if (std::abs(pole) > 1e-12 * fastest) slowest = std::min(slowest, std::abs(pole));
+  }
+  if (law.states() > 0) {
+    for (const auto& pole : compute_poles(law.A)) {
+      const double rate = std::abs(pole - 1.0) / period;
+      if (rate * period > 1e-9) slowest = std::min(slowest, rate);
+    }
+  }
+  return below_slowest * slowest;
+}
+
+class Prover {
+ public:
+  Prover(PortModel& model, const Sampling& sampling, const DiscreteStateSpace& law)
+      : model_(model),
+        law_(law),
+        period_(sampling.period.to_double()),
+        delay_(sampling.delay.to_double()),
+        whole_(split_delay(sampling).rest == 0),
+        sampling_frequency_(2 * pi / period_),
+        idle_(is_zero(law)),
+        direct_(count_direct_aliases(model, sampling_frequency_)),
+        lowest_(find_lowest_omega(model, law, period_)) {
+    if (!idle_) {
+      remainder_.emplace(model, period_, delay_, whole_, direct_, direct_ + bounded_beyond);
+      find_residue();
+    }
+  }
+
+  DiskProof prove() {
+    DiskProof proof;
+    proof.aliases = direct_;
+    proof.bounded_aliases = direct_ + bounded_beyond;
+    proof.lowest_omega = lowest_;
+    proof.outcome = ProofOutcome::proved;
+    cover(proof, lowest_, pi / period_);
+    if (proof.outcome == ProofOutcome::proved && !idle_) check_limit(proof);
+    if (proof.outcome == ProofOutcome::proved) check_damping_above(proof);
+    if (proof.outcome == ProofOutcome::proved) {
+      proof.margin = std::numeric_limits<double>::infinity();
+      for (const auto& interval : proof.intervals)
+        proof.margin = std::min(proof.margin, interval.lowest());
+    }
+    return proof;
+  }
+
+ private:
+  // The aliases' share of centre and radius without the hold's factor, c_a = hold center.
+  struct Aliases {
+    TaylorModel center, radius;
+  };
+  struct Bound {
+    ProvedInterval interval;
+    double size = 0;   // of what D was summed from
+    double slack = 0;  // of D, by what is left out of the sums
+    TaylorModel damping;
+  };
+
+  // H k_0 S A ~ residue/(jw) towards zero frequency.
+  void find_residue() {
+    const Complex at_one = law_.response(std::polar(1.0, lowest_ * 1e-3 * period_));
+    const PortResponse port = model_.at(lowest_ * 1e-3);
+    const Complex limit = at_one * port.sensor_path * port.actuation;
+    residue_ = std::isfinite(limit.real()) ? limit.real() : 0;
+  }
+
+  // e^(-jw t)
+  static TaylorModel turn(double omega, double time, double reach) {
+    const Complex value = std::polar(1.0, -omega * time);
+    return {value, Complex(0, -time) * value, time * time / 2, reach};
+  }
+
+  // (1 - e^(-jwT))/(jwT): integral of e^(-jwTu) over u from 0 to 1.
+  TaylorModel hold(double omega, double reach) const {
+    const double x = omega * period_;
+    const double half = x / 2;
+    const Complex value = std::polar(std::sin(half) / half, -half);
+    const Complex slope =
+        x < 1e-3 ? Complex(-x / 3, -0.5 + x * x / 8) : (std::polar(1.0, -x) - value) / x;
+    return {value, period_ * slope, period_ * period_ / 6, reach};
+  }
+
+  // 1/w^2, for w of either sign.
+  static TaylorModel inverse_square(double omega, double reach) {
+    const double inverse = 1 / omega;
+    const double near = 1 - reach * std::abs(inverse);
+    const double curvature = near > 0 ? std::abs(inverse) * inverse * inverse / near
+                                      : std::numeric_limits<double>::infinity();
+    const TaylorModel once{inverse, -inverse * inverse, curvature, reach};
+    return once * once;
+  }
+
+  void add_alias(Aliases& sums, int n, double omega, double reach) const {
+    const double at = omega + n * sampling_frequency_;
+    PortTaylor port = expand_port(model_, std::abs(at), reach);
+    if (at < 0) {  // everything is conjugate, and |w| falls as w rises
+      for (TaylorModel* part : {&port.path, &port.blocked}) {
+        part->value = std::conj(part->value);
+        part->slope = -std::conj(part->slope);
+      }
+      port.damping.slope = -port.damping.slope;
+    }
+    const TaylorModel weight = inverse_square(at, reach);
+    const TaylorModel compliance = Complex(0.5) * reciprocal(port.damping);
+    const TaylorModel swing = port.path * compliance;
+    const Complex phase = whole_ ? Complex(1) : std::polar(1.0, -n * sampling_frequency_ * delay_);
+    sums.center = sums.center + phase * (weight * (port.blocked + swing));
+    sums.radius = sums.radius + weight * majorant(swing);
+  }
+
+  Aliases sum_aliases(double omega, double reach) const {
+    Aliases sums{constant_model(0, reach), constant_model(0, reach)};
+    if (idle_) return sums;
+    for (int n = 1; n <= direct_; ++n) {
+      add_alias(sums, n, omega, reach);
+      add_alias(sums, -n, omega, reach);
+    }
+    sums.center = sums.center + remainder_->center(omega, reach);
+    sums.radius = sums.radius + remainder_->radius(omega, reach);
+    sums.center = Complex(-1) * (turn(omega, delay_, reach) * sums.center);
+    return sums;
+  }
+
+  // (proof-1) with L = (f - residue)/(jw) + residue/(jw), k_0 M H = N.
+  Bound bound(double omega, double reach) const {
+    const PortTaylor base = expand_port(model_, omega, reach);
+    const TaylorModel law = expand_law(law_, period_, omega, reach);
+    const TaylorModel held = hold(omega, reach);
+    const TaylorModel command = law * held * turn(omega, delay_, reach);  // H k_0 = command/(jw)
+    const Aliases aliases = sum_aliases(omega, reach);
+
+    const TaylorModel one = constant_model(1, reach);
+    const TaylorModel s{Complex(0, omega), Complex(0, 1), 0, reach};
+    const TaylorModel f = command * base.path;
+    const TaylorModel L = over_j_omega(f + Complex(-residue_), omega);
+    const TaylorModel N = over_j_omega(command * base.blocked, omega);
+    const TaylorModel E = law * held * aliases.center;                      // H c_a/(jw)
+    const TaylorModel G = majorant(law) * majorant(held) * aliases.radius;  // |H r_a|/w
+    const TaylorModel W = one + N + s * E;
+    const TaylorModel wG = Complex(0, -1) * (s * G);
+    const TaylorModel lagging = Complex(0, 1) * over_j_omega(imaginary_part(N), omega);
+
+    const TaylorModel damping = base.damping * (real_part(W * conj(W)) - wG * wG);
+    const TaylorModel drive = real_part(conj(W) * L);
+    const TaylorModel pole = Complex(residue_) * (real_part(lagging) + real_part(E));
+    const TaylorModel spread = majorant(f) * G;
+    const TaylorModel D = damping + drive - pole - spread;
+
+    Bound b;
+    b.size = plain_abs(damping.value) + plain_abs(W.value) * plain_abs(L.value) +
+             std::abs(residue_) * plain_abs(E.value) + plain_abs(spread.value) +
+             std::abs(residue_) * 1e-5 / omega;
+    // dD/dr_a = -(2 R |H|^2 r_a + |L| |H|)
+    const double left_out = idle_ ? 0 : remainder_->left_out();
+    b.slack = plain_abs(law.value) * plain_abs(held.value) * left_out *
+              (plain_abs(f.value) +
+               2 * plain_abs(base.damping.value) * omega * omega * plain_abs(G.value));
+    b.damping = base.damping;
+    ProvedInterval& interval = b.interval;
+    interval.omega = omega;
+    interval.reach = reach;
+    interval.law = law.value;
+    // c = c_a + k_0 (M + S A/(2R)),  r = r_a + |k_0 S A|/(2R)
+    const Complex k0 = (held.value * turn(omega, delay_, 0).value) / Complex(0, omega);
+    const double R = base.damping.value.real();
+    interval.center = Complex(0, omega) * held.value * aliases.center.value +
+                      k0 * (base.blocked.value + base.path.value / (2 * R));
+    interval.radius = omega * plain_abs(held.value) * aliases.radius.value.real() +
+                      plain_abs(k0 * base.path.value) / (2 * R);
+    interval.margin = D.value.real();
+    interval.slope = D.slope.real();
+    interval.curvature = D.curvature;
+    return b;
+  }
+
+  static bool holds(const Bound& b) {
+    return b.interval.lowest() > rounding * b.size && b.damping.lowest_real() > 0;
+  }
+
+  // From the top down, each interval as wide as it may be.
+  void cover(DiskProof& proof, double from, double to) {
+    std::vector<std::pair<double, double>> open{{from, to}};
+    while (!open.empty()) {
+      throw_if_interrupted("passivity");
+      const auto [low, high] = open.back();
+      open.pop_back();
+      const double omega = (low + high) / 2;
+      const double reach = (high - low) / 2;
+      const Bound b = bound(omega, reach);
+      ++proof.evaluations;
+      if (holds(b)) {
+        proof.intervals.push_back(b.interval);
+        continue;
+      }
+      // Over an interval magnitudes are overestimated, in its middle too.
+      const Bound middle_alone =
+          b.interval.margin <= 0 || b.damping.value.real() <= 0 ? bound(omega, 0) : b;
+      proof.active = middle_alone.damping.value.real() <= 0;
+      if (proof.active ||
+          middle_alone.interval.margin + middle_alone.slack < -rounding * middle_alone.size) {
+        proof.outcome = ProofOutcome::violated;
+      } else if (reach < narrowest * omega || proof.evaluations > most_evaluations ||
+                 std::isinf(b.interval.radius)) {
+        proof.outcome = ProofOutcome::undecided;
+      }
+      if (proof.outcome != ProofOutcome::proved) {
+        proof.omega = omega;
+        proof.margin =
+            proof.active ? middle_alone.damping.value.real() : middle_alone.interval.margin;
+        return;
+      }
+      const double middle = high > 3 * low ? std::sqrt(low * high) : omega;
+      open.emplace_back(low, middle);
+      open.emplace_back(middle, high);
+    }
+  }
+
+  // D is even in w, and analytic as far as the slowest pole: below the lowest interval it changes
+  // by less than between there and twice that.
+  void check_limit(DiskProof& proof) {
+    const Bound at_end = bound(lowest_, 0);
+    const double change = std::abs(bound(2 * lowest_, 0).interval.margin - at_end.interval.margin);
+    if (at_end.interval.margin - change > rounding * at_end.size) return;
+    proof.outcome = ProofOutcome::undecided;
+    proof.omega = lowest_;
+    proof.margin = at_end.interval.margin - change;
+  }
+
+  // Re Z > 0 from Nyquist up: the bounded aliases reach to the last of them.
+  void check_damping_above(DiskProof& proof) {
+    std::vector<std::pair<double, double>> open{
+        {pi / period_, (direct_ + bounded_beyond + 0.5) * sampling_frequency_}};
+    while (!open.empty()) {
+      const auto [low, high] = open.back();
+      open.pop_back();
+      const double omega = (low + high) / 2;
+      const double reach = (high - low) / 2;
+      const TaylorModel damping = expand_port(model_, omega, reach).damping;
+      ++proof.evaluations;
+      if (damping.lowest_real() > 0) continue;
+      if (damping.value.real() <= 0) {
+        proof.outcome = ProofOutcome::violated;
+      } else if (reach < narrowest * omega || proof.evaluations > most_evaluations) {
+        proof.outcome = ProofOutcome::undecided;
+      }
+      if (proof.outcome != ProofOutcome::proved) {
+        proof.omega = omega;
+        proof.margin = damping.value.real();
+        proof.active = proof.margin <= 0;
+        return;
+      }
+      const double middle = high > 3 * low ? std::sqrt(low * high) : omega;
+      open.emplace_back(low, middle);
+      open.emplace_back(middle, high);
+    }
+  }
+
+  PortModel& model_;
+  const DiscreteStateSpace& law_;
+  double period_, delay_;
+  bool whole_;
+  double sampling_frequency_;
+  bool idle_;
+  int direct_;
+  double lowest_;
+  std::optional<AliasRemainder> remainder_;
+  double residue_ = 0;
+};
+
+}  // namespace
+
+DiskProof prove_disk(PortModel& model, const Sampling& sampling, const DiscreteStateSpace& law) {
+  return Prover(model, sampling, law).prove();
+}
+
+}  // namespace gyrator
