@@ -1,4 +1,6 @@
 #include "gyrator/documents/csv.hpp"
+#include "gyrator/documents/output_file.hpp"
+#include "gyrator/studies/certificate.hpp"
 #include "gyrator/studies/model_format.hpp"
 #include "gyrator/studies/results.hpp"
 
@@ -11,6 +13,7 @@
 #include "common_options.hpp"
 #include "linear_range_text.hpp"
 #include "stability_text.hpp"
+#include "usage_errors.hpp"
 
 namespace gyrator::app {
 namespace {
@@ -19,6 +22,7 @@ struct Options {
   CommonOptions common;
   bool simulate = false;
   bool no_counterexample = false;
+  std::string certificate;
 };
 
 std::string describe_limit(const nlohmann::json& stiffness, const Unit& unit) {
@@ -123,6 +127,11 @@ std::string describe(const Model& model, const nlohmann::json& result, const Opt
                     worst.is_null() ? "-" : describe_frequency(worst),
                     describe_limit(c["max_stiffness"], units.stiffness));
   }
+  if (const auto& proof = result["proof"]; proof["outcome"] == "proved") {
+    text += fmt::format(
+        "\nproved at every frequency, between the points too: {} intervals, margin at least {}\n",
+        proof["intervals"].get<int>(), format_quantity(proof["lowest_margin"], units.damping));
+  }
   if (result.contains("minimum_mass")) text += describe_minimum_mass(result["minimum_mass"], units);
   std::string notes;
   const std::string explanation = result["explanation"];
@@ -153,10 +162,21 @@ std::string describe(const Model& model, const nlohmann::json& result, const Opt
 }
 
 void run(const Options& options, int& exit_code) {
-  check_outputs(options.common);
-  const Model model = load_model(options.common.model);
-  const nlohmann::json result =
-      make_passivity_result(model, {!options.no_counterexample, options.simulate});
+  const CommonOptions& common = options.common;
+  check_outputs(common);
+  check_files({{"the model", common.model},
+               {"--output", common.output},
+               {"--csv", common.csv},
+               {"--svg", common.svg},
+               {"--png", common.png}},
+              {{"--certificate", options.certificate}});
+  const Model model = load_model(common.model);
+  const PassivityAnswer answer =
+      answer_passivity(model, {!options.no_counterexample, options.simulate});
+  const nlohmann::json& result = answer.result;
+  if (!options.certificate.empty()) {
+    write_text_file(options.certificate, make_certificate(model, answer.verdict).dump(1) + "\n");
+  }
   if (!options.common.csv.empty()) {
     const auto& curves = result["damping_over_frequency"];
     const std::vector<std::string> names{"frequency_hz", "physical", "virtual", "total", "exact"};
@@ -183,6 +203,11 @@ void add_passivity_command(CLI::App& app, int& exit_code) {
                     "Also simulate the loop with that operator");
   command->add_flag("--no-counterexample", options->no_counterexample,
                     "Do not search for an operator");
+  command
+      ->add_option("--certificate", options->certificate,
+                   "Write what the verdict rests on, for gyrator verify-certificate")
+      ->type_name("FILE")
+      ->check(not_empty());
   command->callback([options, &exit_code] { run(*options, exit_code); });
 }
 

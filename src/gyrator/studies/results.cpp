@@ -10,8 +10,10 @@
 #include "gyrator/studies/result_parts.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -91,6 +93,18 @@ json counterexample_json(const Model& model, const Verdict& verdict, bool with_r
   return result;
 }
 
+// What is proved between the points of the curves.
+json proof_json(const DiskProof& proof) {
+  constexpr std::array<const char*, 3> outcomes{"proved", "violated", "undecided"};
+  return {{"outcome", outcomes[static_cast<std::size_t>(proof.outcome)]},
+          {"intervals", proof.intervals.size()},
+          {"lowest_margin",
+           proof.outcome == ProofOutcome::proved ? finite_or_null(proof.margin) : json(nullptr)},
+          {"frequency_hz", proof.outcome == ProofOutcome::proved
+                               ? json(nullptr)
+                               : json(proof.omega / (2 * std::numbers::pi))}};
+}
+
 // Of a virtual coupling's tool, by each integration scheme; null where no mass is passive.
 json minimum_mass_json(const Model& model) {
   json masses = json::object();
@@ -154,7 +168,11 @@ json make_impedance_result(const Model& model, const std::vector<double>& freque
 }
 
 json make_passivity_result(const Model& model, const PassivityRequest& request) {
-  const Verdict v = naming_file(model, [&] {
+  return answer_passivity(model, request).result;
+}
+
+PassivityAnswer answer_passivity(const Model& model, const PassivityRequest& request) {
+  Verdict v = naming_file(model, [&] {
     return judge_passivity(model.passivity_model(), request.search_counterexample);
   });
   json result = start_result("passivity", model);
@@ -186,7 +204,8 @@ json make_passivity_result(const Model& model, const PassivityRequest& request) 
   result["counterexample"] = v.counterexample
                                  ? counterexample_json(model, v, request.simulate_counterexample)
                                  : json(nullptr);
-  return result;
+  result["proof"] = proof_json(v.loops.front().proof);
+  return {std::move(v), std::move(result)};
 }
 
 std::vector<double> choose_damping_range(const Model& model, int points) {

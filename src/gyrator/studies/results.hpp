@@ -1,6 +1,6 @@
 #pragma once
 
-#include "gyrator/passivity/stiffness_limit.hpp"
+#include "gyrator/passivity/verdict.hpp"
 #include "gyrator/studies/model_file.hpp"
 #include "gyrator/studies/simulation_result.hpp"
 #include "gyrator/studies/spice_check.hpp"
@@ -23,8 +23,13 @@ struct PassivityRequest {
   bool search_counterexample = true;
   bool simulate_counterexample = false;
 };
-/// Verdict, criteria, damping curves, the disk at the worst frequency, the operator that breaks the
-/// loop and, if asked for, the run that shows it.
+struct PassivityAnswer {
+  Verdict verdict;
+  nlohmann::json result;
+};
+/// Verdict, criteria, damping curves, the disk at the worst frequency, the proof in figures, the
+/// operator that breaks the loop and, if asked for, the run that shows it.
+PassivityAnswer answer_passivity(const Model& model, const PassivityRequest& request);
 nlohmann::json make_passivity_result(const Model& model, const PassivityRequest& request);
 
 struct ZwidthRequest {
