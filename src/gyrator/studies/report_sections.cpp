@@ -291,6 +291,55 @@ ReportSection stability_map_section(const json& result) {
           "borders that the energy of a sample period gives."};
 }
 
+// ---- Two-port ---------------------------------------------------------------------------------
+
+std::string bands_in_words(const json& condition) {
+  if (optional_flag(condition, "holds", true)) return "–";
+  std::string text;
+  for (const auto& band : required_array(condition, "violated_hz", "twoport result: /conditions")) {
+    if (!band.is_array() || band.size() != 2) continue;
+    if (!text.empty()) text += ", ";
+    text += pretty_frequency(band[0].get<double>(), 3) + " to " +
+            pretty_frequency(band[1].get<double>(), 3);
+  }
+  return text;
+}
+
+std::string name_in_words(const json& part) {
+  auto name = optional_text(part, "rendering");
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name == "remote" ? "two devices" : name;
+}
+
+ReportSection two_port_section(const json& result) {
+  Rows rows;
+  for (const auto& part : required_array(result, "renderings", "twoport result")) {
+    for (const auto& condition : required_array(part, "conditions", "twoport result: /renderings"))
+      rows.push_back({{name_in_words(part)},
+                      {optional_text(condition, "condition")},
+                      answer(condition, "holds", true),
+                      number(optional_number(condition, "margin")),
+                      frequency_cell(optional_number(condition, "worst_frequency_hz")),
+                      {bands_in_words(condition)}});
+  }
+  return {"Two-port between operator and environment",
+          html_table({"Two-port", "Condition", "Holds", "Lowest margin", "At", "Violated"}, rows),
+          "Where all three conditions hold at every frequency, no passive operator and no passive "
+          "environment can make the two-port between them unstable; where the last ratio is 1 the "
+          "operator feels the environment itself."};
+}
+
+std::string two_port_sentence(const json& result) {
+  const bool remote = has(result, "remote");
+  const auto what = remote ? std::string("the coupling of the two devices")
+                           : "rendering by " + name_in_words(result);
+  if (optional_flag(result, "absolutely_stable", false))
+    return "Absolutely stable: " + what +
+           " stays stable between every passive operator and environment.";
+  return "Not absolutely stable: " + what + " breaks a condition of stability between passive " +
+         "operators and environments.";
+}
+
 // ---- The one list -----------------------------------------------------------------------------
 
 std::string no_sentence(const json&) {
@@ -302,12 +351,13 @@ struct SectionMaker {
   ReportSection (*section)(const json&);
   std::string (*sentence)(const json&);
 };
-constexpr std::array<SectionMaker, 6> makers = {
+constexpr std::array<SectionMaker, 7> makers = {
     {{"compare", compare_section, no_sentence},
      {"impedance", impedance_section, no_sentence},
      {"passivity", passivity_section, passivity_sentence},
      {"simulate", simulate_section, simulate_sentence},
      {"stability-map", stability_map_section, no_sentence},
+     {"twoport", two_port_section, two_port_sentence},
      {"zwidth", zwidth_section, no_sentence}}};
 
 const SectionMaker& maker_for(const json& result) {
@@ -331,6 +381,7 @@ std::string verdict_sentence(const json& result) {
 bool is_bad_news(const json& result) {
   const auto outcome = optional_text(result, "classification");
   return optional_text(result, "verdict") == "not_passive" ||
+         !optional_flag(result, "absolutely_stable", true) ||
          (!outcome.empty() && !outcome.starts_with("settle"));
 }
 

@@ -34,6 +34,10 @@ Figure comparison_figure(const nlohmann::json& result);
 /// Simulated regions over the plane of damping and dry friction, with the analytic borders.
 Figure stability_map_figure(const nlohmann::json& result);
 
+/// The left sides of Llewellyn's conditions and |Z_te/Z_e| over frequency, one curve for each
+/// rendering.
+Figure two_port_figure(const nlohmann::json& result);
+
 /// What the textbook criterion misses: the boundaries in the K–B plane with the model's own
 /// point, and the run of the operator that makes the loop diverge in between. `zwidth` may be
 /// null, and the passivity result without counterexample; at least one must be there.
