@@ -171,6 +171,10 @@ std::string describe_stiffness(const json& value, const Unit& unit) {
   return value.is_null() ? "no limit" : format_quantity(value, unit);
 }
 
+std::string describe_tool_limit(const json& value, const MotionUnits& units) {
+  return value == 0 ? "none" : describe_stiffness(value, units.stiffness);
+}
+
 std::string describe_limits(const json& result, const MotionUnits& units) {
   if (!result.contains("coupling_limits")) return {};
   std::string text = "\nStiffest virtual coupling that is absolutely stable\n";
@@ -185,13 +189,13 @@ std::string describe_limits(const json& result, const MotionUnits& units) {
                               describe_stiffness(limit["max_stiffness"], units.stiffness),
                               format_quantity(limit["damping"], units.damping),
                               describe_frequency(limit["worst_frequency_hz"]))
-                : fmt::format("none at {}", format_quantity(limit["damping"], units.damping));
+                : fmt::format("none at {}, too large a damping by itself",
+                              format_quantity(limit["damping"], units.damping));
     text += fmt::format(", at best {} at {}",
                         describe_stiffness(limit["best"]["max_stiffness"], units.stiffness),
                         format_quantity(limit["best"]["damping"], units.damping));
     if (limit.contains("max_stiffness_with_tool"))
-      text += fmt::format("; in front of this tool {}",
-                          describe_stiffness(limit["max_stiffness_with_tool"], units.stiffness));
+      text += "; with this tool " + describe_tool_limit(limit["max_stiffness_with_tool"], units);
     text += "\n";
   }
   return text;
@@ -228,8 +232,9 @@ void write_columns(const std::string& file, const json& result) {
 }
 
 void run(const Options& options, int& exit_code) {
-  check_outputs(options.common,
-                {{"the model", options.common.model}, {"the remote model", options.remote}});
+  std::vector<NamedFile> inputs{{"the model", options.common.model}};
+  if (!options.remote.empty()) inputs.push_back({"the remote model", options.remote});
+  check_outputs(options.common, inputs);
   refuse_unused(options);
   const Model model = load_model(options.common.model);
   const json result = analyse(options, model);

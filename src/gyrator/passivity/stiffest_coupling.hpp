@@ -27,10 +27,11 @@ struct BestCoupling {
 ///   R (1 + q^2) x^2 + s (2 R c - 1) x + c (R c - 1) <= 0,                           (coupling-3)
 /// true from x = 0 (for R c <= 1) to its upper root; the lowest over all frequencies is the limit.
 ///
-/// At low frequency, with b the device's damping and t the loop's whole lag, that is
-///   k = (b T + sqrt((b T)^2 + 4 b c t^2))/t^2                                       (coupling-4)
-/// t = T/2 with the velocity sensed: 8 b/T for c = 0; t = T with the position: 2 b/T, the
-/// wall of b > K T/2.
+/// On a mass with damping b and an ideal drive, t the loop's whole lag, that is
+///   k <= (b T + sqrt((b T)^2 + 4 b c t^2))/t^2                towards zero          (coupling-4)
+///   c + k T/2 <= pi b (velocity sensed), pi^2 b/4 (position)  at Nyquist, without delay
+/// With the position sensed t = T: for c = 0 k = 2 b/T, the wall of b > K T/2. With the velocity
+/// t = T/2, and Nyquist allows 2 pi b/T: pi times as stiff, since half a sample of lag is left out.
 /// Holds for any device that is passive by itself; aliases left out. With Re Z <= 0 anywhere, none.
 /// Source: the question is that of Adams and Hannaford 1999; solved here.
 class StiffestCoupling {

@@ -42,7 +42,7 @@ std::vector<FrequencyBand> find_violations(const std::function<double(double)>& 
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const bool fails = slack(grid[i]) < 0;
     if (fails && !inside) {
-      const double from = i > 0 ? edge(grid[i - 1], grid[i]) : to_hertz(grid[i]);
+      const double from = i > 0 ? edge(grid[i - 1], grid[i]) : 0;
       bands.push_back({from, from});
     }
     if (fails) bands.back().to_hz = to_hertz(grid[i]);
@@ -101,12 +101,12 @@ TwoPortVerdict judge_two_port(const std::function<HybridMatrix(double)>& port,
     if (i == 2) {
       const Minimum ratio = lowest(&LlewellynMargins::ratio);
       verdict.ratio = ratio.value;
-      verdict.ratio_frequency_hz = to_hertz(ratio.omega);
+      verdict.ratio_frequency_hz = ratio.omega > grid.front() ? to_hertz(ratio.omega) : 0;
       points.insert(std::upper_bound(points.begin(), points.end(), ratio.omega), ratio.omega);
     }
     ConditionResult& condition = verdict.conditions[i];
     condition.margin = least.value;
-    condition.worst_frequency_hz = to_hertz(least.omega);
+    condition.worst_frequency_hz = least.omega > grid.front() ? to_hertz(least.omega) : 0;
     condition.violated =
         find_violations([&](double omega) { return slack(port(omega))[i]; }, points);
     condition.holds = condition.violated.empty();

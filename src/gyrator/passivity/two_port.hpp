@@ -78,6 +78,7 @@ struct TwoPortVerdict {
 /// Judges a two-port over a grid of frequencies [rad/s], refined between its points; bands end
 /// where the condition is met to 1e-6 of the frequency. Equality counts as holding: a condition
 /// is violated where its left side is below the right one by more than rounding (1e-7 of it).
+/// A frequency of 0 is the lowest of the grid: towards zero.
 TwoPortVerdict judge_two_port(const std::function<HybridMatrix(double)>& port,
                               const std::vector<double>& grid, double computed_spectral_radius = 0);
 

@@ -83,7 +83,7 @@ Figure two_port_figure(const json& result) {
   show_around_zero(third);
   Figure figure{figure_title(result, "Two-port"), {first, second, third}};
   Panel felt =
-      make_panel(parts, "Transparency: felt over environment", {"|Z_te/Z_e|", ""}, "transparency");
+      make_panel(parts, "Transparency: felt over environment", {"|Zₜₑ/Zₑ|", ""}, "transparency");
   const bool comparable = std::any_of(felt.curves.begin(), felt.curves.end(), [](const Curve& c) {
     return std::any_of(c.y.begin(), c.y.end(), [](double y) { return std::isfinite(y); });
   });

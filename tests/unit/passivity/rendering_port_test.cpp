@@ -186,7 +186,7 @@ bool holds_as_direct(const Device& device, const ComputedPath& path, const Sprin
   return verdict.conditions[0].holds && verdict.conditions[1].holds && verdict.conditions[2].holds;
 }
 
-TEST(StiffestCoupling, is_the_low_frequency_limit_on_a_mass_and_damper) {
+TEST(StiffestCoupling, is_the_low_frequency_limit_on_a_mass_and_damper_or_the_one_at_nyquist) {
   const double b = 0.8, period = 1e-3;
   for (const double delay : {0.0, 0.4e-3, 1e-3}) {
     for (const Sensing sensing : {Sensing::velocity, Sensing::position}) {
@@ -195,9 +195,12 @@ TEST(StiffestCoupling, is_the_low_frequency_limit_on_a_mass_and_damper) {
       path.sensing = sensing;
       const StiffestCoupling coupling(make_p3().device, path);
       const double t = delay + (sensing == Sensing::position ? period : period / 2);
-      for (const double c : {0.0, 0.05, 0.2}) {
-        const double k =
-            (b * period + std::sqrt(b * b * period * period + 4 * b * c * t * t)) / (t * t);
+      for (const double c : {0.0, 0.05}) {
+        double k = (b * period + std::sqrt(b * b * period * period + 4 * b * c * t * t)) / (t * t);
+        if (t == period / 2) {
+          EXPECT_GT(k, 2 * (pi * b - c) / period);
+          k = 2 * (pi * b - c) / period;
+        }
         // Judged from w T = 1e-5 on; the limit is approached with its square.
         EXPECT_NEAR(coupling.find(c).stiffness / k, 1, 1e-6) << delay << " " << c;
       }
@@ -235,14 +238,20 @@ TEST(StiffestCoupling, stands_on_both_sides_of_its_limit_on_any_device) {
 }
 
 TEST(StiffestCoupling, has_no_stiffness_beyond_the_largest_damper_and_is_best_below) {
-  const StiffestCoupling coupling(make_p3().device, {});
+  ComputedPath path;
+  path.sensing = Sensing::position;
+  const StiffestCoupling coupling(make_p3().device, path);
   const BestCoupling best = coupling.find_best().value();
   EXPECT_GT(best.damping, 0);
   for (const double factor : {0.5, 0.9, 1.1, 1.5})
     EXPECT_LT(coupling.find(factor * best.damping).stiffness, best.limit.stiffness) << factor;
-  // R at Nyquist: |G| = 2/pi, p = -2/pi (cos - j sin)(pi/2), so R = (2/pi)/(2 b): c <= pi b.
-  EXPECT_TRUE(coupling.find(0.999 * pi * 0.8).feasible);
-  EXPECT_FALSE(coupling.find(1.001 * pi * 0.8).feasible);
+  // At Nyquist G = -2j/pi, p = -G^2 = 4/pi^2, so R = (4/pi^2)/b.
+  EXPECT_TRUE(coupling.find(0.999 * pi * pi / 4 * 0.8).feasible);
+  EXPECT_FALSE(coupling.find(1.001 * pi * pi / 4 * 0.8).feasible);
+  // With the velocity sensed |p| + Re p = 2/pi there.
+  const StiffestCoupling sooner(make_p3().device, {});
+  EXPECT_TRUE(sooner.find(0.999 * pi * 0.8).feasible);
+  EXPECT_FALSE(sooner.find(1.001 * pi * 0.8).feasible);
   EXPECT_THROW(coupling.find(-1), Error);
 }
 

@@ -127,6 +127,34 @@ inline nlohmann::json sample_compare() {
   return result;
 }
 
+/// Two renderings, one of which breaks the third condition.
+inline nlohmann::json sample_two_port() {
+  auto result = sample_base("twoport");
+  const auto part = [](const char* name, bool stable) {
+    const auto condition = [](const char* text, bool holds) {
+      return nlohmann::json{{"condition", text},
+                            {"holds", holds},
+                            {"margin", holds ? 0.01 : -0.7},
+                            {"worst_frequency_hz", 15},
+                            {"violated_hz", nlohmann::json::array()}};
+    };
+    nlohmann::json value{
+        {"rendering", name},
+        {"absolutely_stable", stable},
+        {"frequency_hz", {0.1, 1, 10}},
+        {"h11_real", {0.01, 0.01, 0.02}},
+        {"h22_real", {1e-6, 1e-4, 0.01}},
+        {"margin", {0, stable ? 0.1 : -0.1, stable ? 2.0 : -0.7}},
+        {"transparency", {0.5, nullptr, 0.1}},
+        {"conditions", {condition("Re h11 >= 0", true), condition("third", stable)}}};
+    if (!stable) value["conditions"][1]["violated_hz"].push_back({0, 15});
+    return value;
+  };
+  result.update(part("direct", false));
+  result["renderings"] = {part("direct", false), part("equivalent_impedance", true)};
+  return result;
+}
+
 /// A plane of two by two points, one of each region.
 inline nlohmann::json sample_stability_map() {
   auto result = sample_base("stability-map");
