@@ -140,7 +140,8 @@ TEST(TwoPortCase, statement_5_as_the_caption_of_figure_6_prints_it_the_condition
   });
 }
 
-TEST(TwoPortCase, statement_6_transparency_has_the_papers_order_up_to_the_objects_resonance_only) {
+TEST(TwoPortCase,
+     statement_6_transparency_has_the_papers_order_up_to_nineteen_twentieths_of_nyquist) {
   RenderingPort port = make_port(make_table_1());
   std::vector<double> edges;  // where it begins or ends to hold
   bool ordered = false;
@@ -162,13 +163,10 @@ TEST(TwoPortCase, statement_6_transparency_has_the_papers_order_up_to_the_object
       std::printf(" %8.4f", std::abs(port.at(rendering, omega).transmitted(z) / z));
     std::printf("\n");
   }
-  EXPECT_EQ(edges.front(), 0.01);  // from the lowest frequency on
-  for (const double hertz : {0.1, 0.3, 1.0, 1.5}) {
-    const Distances d = find_distances(port, 2 * pi * hertz);
-    EXPECT_LT(d.equivalent, d.direct);
-    EXPECT_LT(d.direct, d.proxy);
-  }
-  EXPECT_GE(edges.size(), 2);
+  // From the lowest frequency on, until the proxy passes its own resonance.
+  ASSERT_EQ(edges.size(), 2);
+  EXPECT_EQ(edges[0], 0.01);
+  EXPECT_NEAR(edges[1], 15.80, 0.005);
 }
 
 TEST(TwoPortCase, statement_7_what_is_felt_by_equivalent_impedance_is_the_sum) {
@@ -194,24 +192,40 @@ TEST(TwoPortCase, statement_8_always_satisfied_holds_for_backward_differences_on
   });
 }
 
-TEST(TwoPortCase, statement_9_a_positive_tool_widens_both_conditions_and_an_explicit_one_does_not) {
+TEST(TwoPortCase, statement_9_the_tool_widens_the_first_condition_and_the_second_below_11_hz) {
   RenderedScene light = make_table_1();
   light.tool->inertia = 1e-9;
-  RenderedScene heavy = make_table_1();
-  heavy.tool->inertia = 0.1;
-  RenderingPort light_port = make_port(light), heavy_port = make_port(heavy);
-  int narrower = 0;
+  RenderingPort light_port = make_port(light), port = make_port(make_table_1());
+  std::vector<double> narrower;
   over_frequency([&](double hertz, double omega) {
     const HybridMatrix without = light_port.at(Rendering::proxy, omega);
-    const HybridMatrix with = heavy_port.at(Rendering::proxy, omega);
-    EXPECT_GT(with.h11.real(), without.h11.real()) << hertz;
-    if (with.h22.real() < without.h22.real()) ++narrower;
+    const HybridMatrix with = port.at(Rendering::proxy, omega);
+    EXPECT_GE(with.h11.real(), without.h11.real() - 1e-15) << hertz;  // equal at Nyquist
+    if (with.h22.real() < without.h22.real()) narrower.push_back(hertz);
   });
-  std::printf("a tool of 0.1 kg makes Re h22 smaller at %d frequencies\n", narrower);
-  // An explicit tool alone has a negative damping at every frequency.
-  over_frequency([&](double, double omega) {
-    EXPECT_LT(VirtualElements(omega, T, Integration::explicit_euler).mass(1e-4).real(), 0);
-  });
+  ASSERT_FALSE(narrower.empty());
+  EXPECT_NEAR(narrower.front(), 11.07, 0.005);
+  EXPECT_NEAR(narrower.back(), 16.66, 0.005);
+}
+
+TEST(TwoPortCase, statement_11_an_explicit_tool_violates_the_first_condition_only_if_it_is_heavy) {
+  const auto violated_by = [&](double mass) {
+    RenderedScene scene = make_table_1(Integration::explicit_euler);
+    scene.tool->inertia = mass;
+    RenderingPort port = make_port(scene);
+    std::vector<double> violated;
+    over_frequency([&](double hertz, double omega) {
+      const HybridMatrix h = port.at(Rendering::proxy, omega);
+      if (h.h11.real() < 0) violated.push_back(hertz);
+      EXPECT_LT(h.h22.real(), 0) << hertz;  // by springs of explicit steps, whatever the tool
+    });
+    return violated;
+  };
+  EXPECT_TRUE(violated_by(1e-4).empty());  // table 1: b = 0.01 N.s/m is enough
+  const auto heavy = violated_by(0.01);
+  ASSERT_FALSE(heavy.empty());
+  EXPECT_NEAR(heavy.front(), 5.46, 0.005);
+  EXPECT_NEAR(heavy.back(), 15.62, 0.005);
 }
 
 TEST(TwoPortCase, statement_10_a_stiffer_contact_is_felt_truer_and_narrows_the_second_condition) {
@@ -236,7 +250,7 @@ TEST(TwoPortCase, the_stiffest_coupling_of_table_1_is_far_below_its_own) {
     ComputedPath path = make_table_1().path;
     path.sensing = sensing;
     const StiffestCoupling coupling(device, path);
-    // Its damper alone, 0.06 N.s/m, is more than the device's 0.01 N.s/m allows: pi b, pi^2 b/4.
+    // Its damper alone, 0.06 N.s/m, is more than the device's 0.01 N.s/m allows: pi b, 1.9 b.
     EXPECT_FALSE(coupling.find(0.06).feasible);
     const BestCoupling best = coupling.find_best().value();
     std::printf("%s sensed: best %.4f N/m at %.5f N.s/m, undamped %.4f N/m\n",

@@ -29,9 +29,10 @@ struct BestCoupling {
 ///
 /// On a mass with damping b and an ideal drive, t the loop's whole lag, that is
 ///   k <= (b T + sqrt((b T)^2 + 4 b c t^2))/t^2                towards zero          (coupling-4)
-///   c + k T/2 <= pi b (velocity sensed), pi^2 b/4 (position)  at Nyquist, without delay
+///   c + k T/2 <= pi b (velocity sensed, without delay)        at Nyquist
 /// With the position sensed t = T: for c = 0 k = 2 b/T, the wall of b > K T/2. With the velocity
 /// t = T/2, and Nyquist allows 2 pi b/T: pi times as stiff, since half a sample of lag is left out.
+/// A damper alone may be c = pi b, with the position sensed 1.904 b.
 /// Holds for any device that is passive by itself; aliases left out. With Re Z <= 0 anywhere, none.
 /// Source: the question is that of Adams and Hannaford 1999; solved here.
 class StiffestCoupling {

@@ -64,7 +64,18 @@ void show_around_zero(Panel& panel) {
   if (low == 0) return;
   panel.y_axis.min = 1.1 * low;
   panel.y_axis.max = std::min(1.1 * high, -1.1 * low);
-  if (*panel.y_axis.max <= 0) panel.y_axis.max = -0.1 * low;
+  panel.y_axis.max = std::max(*panel.y_axis.max, -0.1 * low);
+}
+
+// Where the environment has no impedance to compare with: a free port, or a clamped one.
+Panel felt_panel(const json& parts, const std::string& damping) {
+  Panel panel = make_panel(parts, "Impedance felt", {"|Zₜₑ|", damping}, "transmitted_real");
+  for (std::size_t i = 0; i < panel.curves.size(); ++i) {
+    const auto imag = required_numbers(parts[i], "transmitted_imag", "twoport result: /renderings");
+    for (std::size_t j = 0; j < std::min(imag.size(), panel.curves[i].y.size()); ++j)
+      panel.curves[i].y[j] = std::hypot(panel.curves[i].y[j], imag[j]);
+  }
+  return panel;
 }
 
 }  // namespace
@@ -88,10 +99,12 @@ Figure two_port_figure(const json& result) {
     return std::any_of(c.y.begin(), c.y.end(), [](double y) { return std::isfinite(y); });
   });
   if (comparable) {
-    felt.y_axis.logarithmic = true;
     felt.lines = {{1, false}};
-    figure.panels.push_back(std::move(felt));
+  } else {
+    felt = felt_panel(parts, damping);
   }
+  felt.y_axis.logarithmic = true;
+  figure.panels.push_back(std::move(felt));
   figure.columns = 2;
   figure.panel_width = 560;
   figure.panel_height = 360;

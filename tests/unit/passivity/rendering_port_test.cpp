@@ -245,10 +245,12 @@ TEST(StiffestCoupling, has_no_stiffness_beyond_the_largest_damper_and_is_best_be
   EXPECT_GT(best.damping, 0);
   for (const double factor : {0.5, 0.9, 1.1, 1.5})
     EXPECT_LT(coupling.find(factor * best.damping).stiffness, best.limit.stiffness) << factor;
-  // At Nyquist G = -2j/pi, p = -G^2 = 4/pi^2, so R = (4/pi^2)/b.
-  EXPECT_TRUE(coupling.find(0.999 * pi * pi / 4 * 0.8).feasible);
-  EXPECT_FALSE(coupling.find(1.001 * pi * pi / 4 * 0.8).feasible);
-  // With the velocity sensed |p| + Re p = 2/pi there.
+  // p = -G^2: R = (sin x)^4/(x^2 b) with x = w T/2, largest where tan x = 2 x.
+  const double x = 1.1655611852072;
+  const double most = 0.8 * x * x / std::pow(std::sin(x), 4);
+  EXPECT_TRUE(coupling.find(0.999 * most).feasible);
+  EXPECT_FALSE(coupling.find(1.001 * most).feasible);
+  // With the velocity sensed R = sin x (1 - cos x)/(2 x b), largest at Nyquist: 1/(pi b).
   const StiffestCoupling sooner(make_p3().device, {});
   EXPECT_TRUE(sooner.find(0.999 * pi * 0.8).feasible);
   EXPECT_FALSE(sooner.find(1.001 * pi * 0.8).feasible);

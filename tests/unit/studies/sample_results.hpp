@@ -145,6 +145,8 @@ inline nlohmann::json sample_two_port() {
         {"h11_real", {0.01, 0.01, 0.02}},
         {"h22_real", {1e-6, 1e-4, 0.01}},
         {"margin", {0, stable ? 0.1 : -0.1, stable ? 2.0 : -0.7}},
+        {"transmitted_real", {0.1, 0.2, 0.3}},
+        {"transmitted_imag", {0.1, 0.2, 0.3}},
         {"transparency", {0.5, nullptr, 0.1}},
         {"conditions", {condition("Re h11 >= 0", true), condition("third", stable)}}};
     if (!stable) value["conditions"][1]["violated_hz"].push_back({0, 15});
