@@ -62,7 +62,7 @@ CouplingLimit StiffestCoupling::find(double damping) const {
   for (const Need& need : needs_) bounds.push_back(bound_at(need, damping));
   const Minimum least =
       find_minimum(grid_, bounds, [&](double omega) { return bound_at(need_at(omega), damping); });
-  const double hertz = least.omega / (2 * std::numbers::pi);
+  const double hertz = least.omega > grid_.front() ? least.omega / (2 * std::numbers::pi) : 0;
   if (least.value < 0) return {false, 0, hertz};
   return {true, least.value, hertz};
 }

@@ -10,7 +10,7 @@ namespace gyrator {
 struct CouplingLimit {
   bool feasible = false;          ///< a vanishing stiffness meets the conditions at this damping
   double stiffness = 0;           ///< largest k [N/m, N.m/rad]; infinite where nothing bounds it
-  double worst_frequency_hz = 0;  ///< where it is bounded
+  double worst_frequency_hz = 0;  ///< where it is bounded; 0: towards zero
 };
 
 struct BestCoupling {

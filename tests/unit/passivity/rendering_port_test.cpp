@@ -2,8 +2,10 @@
 
 #include "gyrator/core/error.hpp"
 #include "gyrator/passivity/stiffest_coupling.hpp"
+#include "gyrator/passivity/stiffness_limit.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -212,6 +214,22 @@ TEST(StiffestCoupling, with_the_position_sensed_is_the_wall_that_b_over_half_KT_
   ComputedPath path;
   path.sensing = Sensing::position;
   EXPECT_NEAR(StiffestCoupling(make_p3().device, path).find(0).stiffness, 2 * 0.8 / 1e-3, 1e-3);
+}
+
+TEST(StiffestCoupling, is_no_stiffer_than_the_wall_that_the_exact_disk_allows) {
+  // A rigid environment makes a wall of the coupling; every other one may only ask for more. Where
+  // the command lags through the RC branch, that is what bounds both.
+  const double c = 1.5e-4;
+  ComputedPath path;
+  path.sensing = Sensing::position;
+  for (const auto& [ideal, least_share] : {std::pair{false, 0.9}, std::pair{true, 0.7}}) {
+    const Device device = make_rc_motor({}, ideal).device;
+    StiffnessLimits limits(device, {}, DifferenceEstimator{}, FreeOperator{});
+    const double wall = limits.find(Criterion::exact_disk, c).stiffness;
+    const double coupling = StiffestCoupling(device, path).find(c).stiffness;
+    EXPECT_LT(coupling, wall);
+    EXPECT_GT(coupling, least_share * wall);
+  }
 }
 
 TEST(StiffestCoupling, stands_on_both_sides_of_its_limit_on_any_device) {
