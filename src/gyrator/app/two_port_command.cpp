@@ -128,7 +128,7 @@ std::string describe_bands(const json& condition) {
   return text;
 }
 
-std::string describe_conditions(const json& result) {
+std::string describe_conditions(const json& result, const MotionUnits& units) {
   std::string text = fmt::format("{:<21} {:<44} {:>6} {:>12} {:>12}  {}\n", "two-port", "condition",
                                  "holds", "margin", "lowest at", "violated");
   for (const auto& part : result["renderings"]) {
@@ -138,6 +138,12 @@ std::string describe_conditions(const json& result) {
           condition["condition"].get<std::string>(), condition["holds"].get<bool>() ? "yes" : "no",
           condition["margin"].is_null() ? INFINITY : condition["margin"].get<double>(),
           describe_frequency(condition["worst_frequency_hz"]), describe_bands(condition));
+    const json& felt = part["least_felt_damping"];
+    text += fmt::format(
+        "{:<21} least damping felt in front of any passive environment: {} at {}\n",
+        part["rendering"].get<std::string>(),
+        felt["value"].is_null() ? "without bound" : format_quantity(felt["value"], units.damping),
+        describe_frequency(felt["worst_frequency_hz"]));
     if (const json& radius = part["computed_spectral_radius"];
         radius.is_null() || radius.get<double>() > 1)
       text += fmt::format("{:<21} what is computed is unstable by itself: spectral radius {:.4g}\n",
@@ -210,7 +216,8 @@ std::string describe(const Model& model, const json& result, bool verbose) {
       "{}, {}: {}\nhybrid matrix [f_h; -v_e] = h [v_h; f_e] up to {}, {} sensed\n\n", model.name,
       what, result["absolutely_stable"].get<bool>() ? "ABSOLUTELY STABLE" : "NOT ABSOLUTELY STABLE",
       describe_frequency(result["nyquist_hz"]), result["sensing"].get<std::string>());
-  return text + describe_conditions(result) + describe_transparency(result, verbose) +
+  return text + describe_conditions(result, units_of(model.device.motion)) +
+         describe_transparency(result, verbose) +
          describe_limits(result, units_of(model.device.motion));
 }
 

@@ -72,7 +72,10 @@ LlewellynMargins compute_llewellyn_margins(const HybridMatrix& h) {
   double asked = size + p.real();
   if (p.real() < 0) asked = p.imag() * p.imag() / (size - p.real());
   const double given = 2 * h.h11.real() * h.h22.real();
-  LlewellynMargins m{h.h11.real(), h.h22.real(), given - asked, given / asked};
+  LlewellynMargins m{h.h11.real(), h.h22.real(), given - asked, given / asked,
+                     h.h11.real() - asked / (2 * h.h22.real())};
+  if (asked == 0) m.felt = m.first;
+  if (h.h22.real() < 0) m.felt = -std::numeric_limits<double>::infinity();
   if (asked == 0) {
     m.ratio = given >= 0 ? std::numeric_limits<double>::infinity()
                          : -std::numeric_limits<double>::infinity();
@@ -93,6 +96,9 @@ TwoPortVerdict judge_two_port(const std::function<HybridMatrix(double)>& port,
   constexpr std::array<Margin, 3> margins{&LlewellynMargins::first, &LlewellynMargins::second,
                                           &LlewellynMargins::third};
   TwoPortVerdict verdict;
+  const Minimum felt = lowest(&LlewellynMargins::felt);
+  verdict.felt = felt.value;
+  verdict.felt_frequency_hz = felt.omega > grid.front() ? to_hertz(felt.omega) : 0;
   for (std::size_t i = 0; i < margins.size(); ++i) {
     const Minimum least = lowest(margins[i]);
     // Whether it holds is asked on the grid and at the lowest point found between.

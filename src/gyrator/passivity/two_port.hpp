@@ -42,6 +42,9 @@ struct ImpedanceMatrix {
 /// they hold at every frequency. All three vanish for some two-ports as the frequency goes to zero;
 /// `ratio` = 2 Re h11 Re h22/(|h12 h21| + Re(h12 h21)) has a limit there, and the third condition
 /// is ratio >= 1 (infinite where nothing is asked for).
+/// `felt` is the least damping that a hand feels over all passive environments,
+///   min Re Z_te = Re h11 - (|p| + Re p)/(2 Re h22),   p = h12 h21                    (two-port-4)
+/// what is missing to it is a damper's at the operator's port; -infinity where Re h22 < 0.
 /// |p| + Re p is computed without cancellation, as (Im p)^2/(|p| - Re p) for Re p < 0.
 /// Source: Llewellyn 1952; (K2)–(K4), (K7)–(K9), (K12)–(K14).
 struct LlewellynMargins {
@@ -49,6 +52,7 @@ struct LlewellynMargins {
   double second = 0;  ///< [m/(N.s), rad/(N.m.s)]
   double third = 0;
   double ratio = 0;
+  double felt = 0;  ///< [N.s/m, N.m.s/rad]
 };
 LlewellynMargins compute_llewellyn_margins(const HybridMatrix& h);
 
@@ -70,6 +74,8 @@ struct TwoPortVerdict {
   std::array<ConditionResult, 3> conditions;
   double ratio = 0;  ///< lowest of the third condition
   double ratio_frequency_hz = 0;
+  double felt = 0;  ///< lowest damping felt, by (two-port-4) [N.s/m, N.m.s/rad]
+  double felt_frequency_hz = 0;
   /// Spectral radius of what is computed, moved on by its own scheme with both ports as in
   /// (two-port-1): velocity imposed on one side, effort on the other. Above 1: unstable by itself.
   double computed_spectral_radius = 0;

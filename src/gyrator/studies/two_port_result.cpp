@@ -60,6 +60,8 @@ void put_verdict(json& part, const TwoPortVerdict& verdict) {
     part["conditions"].push_back(condition_json(condition_names[i], verdict.conditions[i]));
   part["third_ratio"] = {{"lowest", finite_or_null(verdict.ratio)},
                          {"worst_frequency_hz", verdict.ratio_frequency_hz}};
+  part["least_felt_damping"] = {{"value", finite_or_null(verdict.felt)},
+                                {"worst_frequency_hz", verdict.felt_frequency_hz}};
   part["computed_spectral_radius"] = finite_or_null(verdict.computed_spectral_radius);
 }
 

@@ -178,6 +178,22 @@ TEST(RenderingPort, refuses_what_has_no_environment_and_what_is_missing) {
   EXPECT_EQ(port.available(), std::vector<Rendering>{Rendering::direct});
 }
 
+TEST(RenderingPort, lacks_exactly_the_damping_that_makes_it_absolutely_stable) {
+  for (const Rendering rendering : {Rendering::direct, Rendering::proxy}) {
+    const RenderedScene scene = make_scene();
+    const double b = 0.01;
+    const double missing =
+        -RenderingPort(make_point_mass(0.022, b).device, scene).judge(rendering).felt;
+    ASSERT_GT(missing, 0);
+    const auto holds = [&](double added) {
+      const Device device = make_point_mass(0.022, b + added).device;
+      return RenderingPort(device, scene).judge(rendering).absolutely_stable;
+    };
+    EXPECT_FALSE(holds(0.99 * missing));
+    EXPECT_TRUE(holds(1.01 * missing));
+  }
+}
+
 // ---- The stiffest coupling --------------------------------------------------------------------
 
 bool holds_as_direct(const Device& device, const ComputedPath& path, const SpringDamper& coupling) {
@@ -236,7 +252,9 @@ TEST(StiffestCoupling, stands_on_both_sides_of_its_limit_on_any_device) {
   Device geared = make_p3().device;
   geared.mechanics.transmission = Transmission{4e5, 3, 0.01};
   geared.sensor = SensorLocation::motor;
-  for (const Device& device : {make_p3().device, make_rc_motor().device, geared}) {
+  Device soft = geared;  // the sensor sees what the command does behind the transmission
+  soft.mechanics.transmission = Transmission{1000, 1, 0.01};
+  for (const Device& device : {make_p3().device, make_rc_motor().device, geared, soft}) {
     for (const auto scheme : {Integration::implicit, Integration::explicit_euler}) {
       for (const Sensing sensing : {Sensing::velocity, Sensing::position}) {
         ComputedPath path;

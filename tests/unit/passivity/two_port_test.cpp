@@ -61,7 +61,16 @@ TEST(Llewellyn, holds_exactly_where_no_passive_environment_makes_the_felt_dampin
     const LlewellynMargins m = compute_llewellyn_margins(h);
     if (std::abs(m.third) < 1e-3 || std::abs(m.first) < 1e-3) continue;  // too near to tell
     const bool holds = m.first >= 0 && m.third >= 0;
-    EXPECT_EQ(holds, find_least_felt(h) >= 0) << i << " " << m.third;
+    const double least = find_least_felt(h);
+    EXPECT_EQ(holds, least >= 0) << i << " " << m.third;
+    // The environments step round the circle of Z_te by at most `turn`, half of it to its extreme:
+    // with Y_e = jB, |d arg|/d angle = 2 g (1 + B^2)/|h22 + jB|^2 <= 2 g + 2 (1 + (Im h22)^2)/g.
+    const double g = h.h22.real();
+    const double turn = pi / 20000 * (2 * g + 2 * (1 + h.h22.imag() * h.h22.imag()) / g);
+    if (turn > 0.1) continue;
+    const double radius = std::abs(h.h12 * h.h21) / (2 * g);
+    EXPECT_LE(m.felt, least + 1e-9 * radius) << i;
+    EXPECT_NEAR(m.felt, least, radius * turn * turn / 8 + 1e-9 * (radius + 1)) << i;
     (holds ? stable : unstable)++;
   }
   EXPECT_GT(stable, 50);
