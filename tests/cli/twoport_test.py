@@ -69,6 +69,14 @@ class RenderingTest(ProgramTest):
         self.assertEqual((answer.code, answer.err), (0, ""), answer)
         page = (self.folder / "t.html").read_text()
         self.assertIn("Not absolutely stable", page)
+        self.assertIn("1.44 N·s/m of damping are missing", page)
+
+    def test_the_damping_that_is_missing_makes_it_absolutely_stable(self):
+        model = load_example("deformable/table1")
+        missing = -self.ask("twoport", TABLE_1)["least_felt_damping"]["value"]
+        for factor, code in ((0.99, 1), (1.01, 0)):
+            varied = with_value(model, "/mechanics/damping", 0.01 + factor * missing)
+            self.assertEqual(self.run_program("twoport", self.write_model(varied)).code, code)
 
     def test_the_stiffest_coupling_is_stable_up_to_its_limit(self):
         model = load_example("deformable/table1")

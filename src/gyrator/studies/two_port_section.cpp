@@ -65,8 +65,13 @@ std::string two_port_sentence(const json& result) {
   if (optional_flag(result, "absolutely_stable", false))
     return "Absolutely stable: " + what +
            " stays stable between every passive operator and environment.";
-  return "Not absolutely stable: " + what + " breaks a condition of stability between passive " +
-         "operators and environments.";
+  std::string text = "Not absolutely stable: " + what +
+                     " breaks a condition of stability between passive operators and environments";
+  if (!has(result, "least_felt_damping")) return text + ".";
+  const double felt = optional_number(result["least_felt_damping"], "value");
+  if (!(felt < 0)) return text + ".";
+  return text + "; " + pretty_quantity(-felt, unit_of(result, "damping"), 3) +
+         " of damping are missing at the operator's port.";
 }
 
 }  // namespace gyrator
