@@ -14,8 +14,9 @@
 #include "reference_plants.hpp"
 
 // Case 21 in the time domain, behind an update of 30 Hz: direct rendering, proxy and equivalent
-// impedance of a deformable object, table 1 of Kim and Lee 2017. The tables that it prints are those
-// of docs/controllers/deformable.md; two_port_cases_test has the paper's own view, over frequency.
+// impedance of a deformable object, table 1 of Kim and Lee 2017. The tables that it prints are
+// those of docs/controllers/deformable.md; two_port_cases_test has the paper's own view, over
+// frequency.
 
 namespace gyrator {
 namespace {
