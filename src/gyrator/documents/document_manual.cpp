@@ -92,9 +92,11 @@ std::string write_allowed(const Member& member) {
 
 std::string write_row(const Member& member) {
   const bool has_unit = member.kind == ValueKind::quantity || member.kind == ValueKind::time;
-  return fmt::format("| `{}` | {} | {} | {} | {} |\n", member.name,
-                     has_unit ? member.unit.symbol : "", escape_cell(write_default(member)),
-                     escape_cell(write_allowed(member)), escape_cell(member.meaning));
+  return fmt::format(
+      "| `{}` | {} | {} | {} | {} |\n", member.name,
+      has_unit ? fmt::format("{}{}", member.unit.symbol, member.takes_tolerance ? " ±" : "") : "",
+      escape_cell(write_default(member)), escape_cell(write_allowed(member)),
+      escape_cell(member.meaning));
 }
 
 Section make_section(const ObjectSpec& spec, const std::string& name, const Place& place) {

@@ -59,7 +59,9 @@ class Reader {
  public:
   explicit Reader(const std::string& file) : file_(file) {}
 
-  json read_member(const json& value, const Member& member, const Pointer& at) const {
+  std::vector<GivenTolerance> take_tolerances() { return std::move(tolerances_); }
+
+  json read_member(const json& value, const Member& member, const Pointer& at) {
     if (!member.is_list) return read_value(value, member, at);
     const bool fits = value.is_array() && value.size() >= member.min_items &&
                       (!member.max_items || value.size() <= *member.max_items);
@@ -94,7 +96,7 @@ class Reader {
     }
   }
 
-  json read_value(const json& value, const Member& member, const Pointer& at) const {
+  json read_value(const json& value, const Member& member, const Pointer& at) {
     switch (member.kind) {
       case ValueKind::quantity:
         return read_quantity(value, member, at);
@@ -120,13 +122,15 @@ class Reader {
     return {};
   }
 
-  json read_quantity(const json& value, const Member& member, const Pointer& at) const {
+  json read_quantity(const json& value, const Member& member, const Pointer& at) {
     double number = 0;
     if (value.is_number()) {
       number = value.get<double>();
       if (!std::isfinite(number)) {
         refuse(at, format_number(number) + ": not a finite number, which a quantity must be");
       }
+    } else if (value.is_string() && has_tolerance(value.get<std::string>())) {
+      return read_toleranced(value, member, at);
     } else if (value.is_string()) {
       number = place(at, [&] { return parse_value(value.get<std::string>(), member.unit); });
     } else {
@@ -136,8 +140,29 @@ class Reader {
     return number;
   }
 
+  json read_toleranced(const json& value, const Member& member, const Pointer& at) {
+    const std::string text = value.get<std::string>();
+    if (!member.takes_tolerance) refuse_tolerance(text, member, at);
+    const TolerancedValue given =
+        place(at, [&] { return parse_toleranced_value(text, member.unit); });
+    check_bounds(given.nominal, value, member, at);
+    if (given.low == given.high) return given.nominal;
+    check_bounds(given.low, value, member, at, "at its low end ");
+    check_bounds(given.high, value, member, at, "at its high end ");
+    tolerances_.push_back({at.to_string(), member.unit, given, text});
+    return given.nominal;
+  }
+
+  [[noreturn]] void refuse_tolerance(const std::string& text, const Member& member,
+                                     const Pointer& at) const {
+    refuse(at, fmt::format("'{}': no tolerance is possible here: write one value, such as \"{}\"",
+                           shorten(text), member.unit.example));
+  }
+
   json read_time(const json& value, const Member& member, const Pointer& at) const {
     if (!value.is_number() && !value.is_string()) refuse_type(value, member, at);
+    if (value.is_string() && has_tolerance(value.get<std::string>()))
+      refuse_tolerance(value.get<std::string>(), member, at);
     // An integer too goes through its text: it may be larger than a Rational holds.
     const Rational time = place(at, [&] {
       if (value.is_number_float()) return Rational::from_double(value.get<double>());
@@ -167,8 +192,9 @@ class Reader {
     return number;
   }
 
-  void check_bounds(double number, const json& given, const Member& member,
-                    const Pointer& at) const {
+  // `which` end of a range it is, "at its low end ".
+  void check_bounds(double number, const json& given, const Member& member, const Pointer& at,
+                    std::string_view which = "") const {
     const auto is_inside = [number](const std::optional<Bound>& bound, double side) {
       if (!bound) return true;
       return bound->exclusive ? side * number > side * bound->value
@@ -180,9 +206,10 @@ class Reader {
     const std::string unit =
         member.unit.symbol == "1" ? "" : fmt::format(" {}", member.unit.symbol);
     const std::string value = format_number(number) + unit;
-    refuse(at,
-           fmt::format("{}: must be {}{}", given.is_string() ? dump(given) + " is " + value : value,
-                       describe_range(member), reason.empty() ? "" : ", for " + reason));
+    refuse(at, fmt::format(
+                   "{}: must be {}{}",
+                   given.is_string() ? fmt::format("{} is {}{}", dump(given), which, value) : value,
+                   describe_range(member), reason.empty() ? "" : ", for " + reason));
   }
 
   json read_choice(const json& value, const Member& member, const Pointer& at) const {
@@ -197,7 +224,7 @@ class Reader {
     refuse(at, describe_unknown_name(what, shorten(name), known));
   }
 
-  json read_variant(const json& value, const Member& member, const Pointer& at) const {
+  json read_variant(const json& value, const Member& member, const Pointer& at) {
     const std::vector<std::string> kinds = list_kinds(member);
     if (!value.is_object()) {
       const bool is_kind = value.is_string() && std::find(kinds.begin(), kinds.end(),
@@ -230,7 +257,7 @@ class Reader {
 
   // `owner` is the member whose value this is: of a variant it has the other alternatives too.
   json read_object(const json& value, const ObjectSpec& spec, const Member& owner,
-                   const Pointer& at) const {
+                   const Pointer& at) {
     if (!value.is_object()) refuse_type(value, owner, at);
     check_keys(value, spec, owner, at);
     for (const auto& group : spec.exactly_one) check_group(value, group, true, at);
@@ -312,6 +339,7 @@ class Reader {
   }
 
   const std::string& file_;
+  std::vector<GivenTolerance> tolerances_;
 };
 
 }  // namespace
@@ -321,7 +349,14 @@ json read_document(const json& document, const ObjectSpec& spec, const std::stri
 }
 
 json read_document(const json& document, const Member& root, const std::string& file) {
-  return Reader(file).read_member(document, root, Pointer{});
+  return read_document_with_tolerances(document, root, file).normal;
+}
+
+ReadDocument read_document_with_tolerances(const json& document, const Member& root,
+                                           const std::string& file) {
+  Reader reader(file);
+  json normal = reader.read_member(document, root, Pointer{});
+  return {std::move(normal), reader.take_tolerances()};
 }
 
 }  // namespace gyrator

@@ -1,8 +1,10 @@
 #pragma once
 
+#include "gyrator/core/tolerance.hpp"
 #include "gyrator/documents/document_spec.hpp"
 
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -23,5 +25,22 @@ nlohmann::json read_document(const nlohmann::json& document, const ObjectSpec& s
 /// The same for a document that is one of several, told apart by a key at its top (a variant).
 nlohmann::json read_document(const nlohmann::json& document, const Member& root,
                              const std::string& file);
+
+/// A quantity that was written with a tolerance; the normal form has its nominal value.
+struct GivenTolerance {
+  std::string pointer;  ///< "/damping/0/resistance"
+  Unit unit;
+  TolerancedValue value;
+  std::string text;  ///< as written
+};
+
+struct ReadDocument {
+  nlohmann::json normal;
+  std::vector<GivenTolerance> tolerances;  ///< in the order of the keys' table; none of zero width
+};
+
+/// read_document, and the tolerances beside the normal form. Both ends must be allowed values.
+ReadDocument read_document_with_tolerances(const nlohmann::json& document, const Member& root,
+                                           const std::string& file);
 
 }  // namespace gyrator

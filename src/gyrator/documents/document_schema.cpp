@@ -8,6 +8,8 @@
 #include <map>
 #include <utility>
 
+#include <fmt/core.h>
+
 namespace gyrator {
 
 namespace {
@@ -41,6 +43,10 @@ std::string describe(const Member& member) {
     sentences.push_back(
         (unit == "1" ? "A number, or a text such as \"" : "In " + unit + ", or a text such as \"") +
         std::string(member.unit.example) + "\".");
+    if (member.takes_tolerance) {
+      sentences.push_back(fmt::format("With a tolerance: \"{} ± 5 %\".",
+                                      unit == "1" ? "0.05" : member.unit.example));
+    }
   }
   if (const std::string range = describe_range(member); !range.empty()) {
     sentences.push_back("Must be " + range + ".");

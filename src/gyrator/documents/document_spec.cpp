@@ -2,6 +2,7 @@
 
 #include "gyrator/core/text.hpp"
 
+#include <algorithm>
 #include <string_view>
 #include <utility>
 
@@ -94,6 +95,15 @@ std::string describe_value(const Member& member) {
 }
 
 }  // namespace
+
+ObjectSpec allow_tolerances(ObjectSpec spec, const std::vector<std::string>& but_not) {
+  for (Member& member : spec.members) {
+    if (std::find(but_not.begin(), but_not.end(), member.name) != but_not.end()) continue;
+    member.takes_tolerance = member.kind == ValueKind::quantity;
+    for (ObjectSpec& inner : member.objects) inner = allow_tolerances(std::move(inner), but_not);
+  }
+  return spec;
+}
 
 std::string describe_expected(const Member& member) {
   std::string value = describe_value(member);

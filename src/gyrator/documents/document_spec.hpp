@@ -56,7 +56,8 @@ struct Member {
   std::optional<nlohmann::json> fallback;  ///< the default, written as a user would
   std::optional<Bound> low;                ///< of a quantity, time or integer
   std::optional<Bound> high;
-  std::string meaning;  ///< one sentence
+  bool takes_tolerance = false;  ///< of a quantity: "5 ohm ± 5 %" is one (core/tolerance.hpp)
+  std::string meaning;           ///< one sentence
 
   [[nodiscard]] Member required() &&;
   [[nodiscard]] Member by_default(nlohmann::json value) &&;
@@ -80,6 +81,10 @@ struct ObjectSpec {
   std::vector<std::vector<std::string>> exactly_one{};  ///< of each group one member must be given
   std::vector<std::vector<std::string>> at_most_one{};  ///< of each group one member may be given
 };
+
+/// The object with tolerances allowed in all its quantities, and in those of objects inside, but
+/// for members of these names.
+ObjectSpec allow_tolerances(ObjectSpec spec, const std::vector<std::string>& but_not);
 
 /// What a member expects, for messages: "a resistance [ohm], such as "1.5 ohm"", "one of a, b".
 std::string describe_expected(const Member& member);

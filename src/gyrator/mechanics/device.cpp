@@ -182,6 +182,7 @@ double find_gain(const Device& device) {
 }  // namespace
 
 double find_amplifier_gain(const Device& device) {
+  if (device.gain) return *device.gain;
   // The amplifier's scale was set once, at the reference temperature; it does not follow the
   // winding.
   Device as_calibrated = device;

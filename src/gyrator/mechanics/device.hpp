@@ -44,6 +44,9 @@ struct Device {
   Drive drive;
   Mechanics mechanics;
   SensorLocation sensor = SensorLocation::port;
+  /// Of the amplifier, set once for a device that this one differs from; none: that at which the
+  /// blocked effort equals the command.
+  std::optional<double> gain = {};
 };
 
 // What the operator does at the port.
@@ -99,15 +102,15 @@ struct DeviceNetwork {
 };
 
 /// Builds the network. The command is scaled so that at DC, and with the winding at the reference
-/// temperature, the blocked effort equals it; throws bad_input where the drive passes no DC at all,
-/// where a wave is to be sensed without a drive that has one, and where friction or stops
-/// contradict themselves.
+/// temperature, the blocked effort equals it, unless the device has a gain of its own; throws
+/// bad_input where the drive passes no DC at all, where a wave is to be sensed without a drive that
+/// has one, and where friction or stops contradict themselves.
 DeviceNetwork build_device_network(const Device& device, const Operator& held_by);
 
 /// The same with the amplifier's gain as it is, whatever effort comes of it.
 DeviceNetwork build_device_network(const Device& device, const Operator& held_by, double gain);
 
-/// The gain that build_device_network scales the command by.
+/// The gain that build_device_network scales the command by: the device's own, if it has one.
 double find_amplifier_gain(const Device& device);
 
 /// The rate of what the controller samples: port or motor velocity [m/s, rad/s], or the outgoing

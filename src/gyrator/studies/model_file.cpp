@@ -8,15 +8,16 @@
 #include "gyrator/passivity/held_limit.hpp"
 #include "gyrator/plots/pretty_text.hpp"
 #include "gyrator/studies/controller_format.hpp"
+#include "gyrator/studies/device_document.hpp"
 #include "gyrator/studies/environment_format.hpp"
 #include "gyrator/studies/model_format.hpp"
 #include "gyrator/studies/motion_terms.hpp"
 #include "gyrator/studies/operator_format.hpp"
+#include "gyrator/studies/result_parts.hpp"
 #include "gyrator/studies/sampling_format.hpp"
 #include "gyrator/studies/wrapper_format.hpp"
 
 #include <algorithm>
-#include <filesystem>
 #include <numbers>
 #include <utility>
 
@@ -41,111 +42,6 @@ std::optional<Rational> slow_period_of(const json& sampling) {
 std::optional<double> optional_of(const json& object, const char* key) {
   if (object[key].is_null()) return std::nullopt;
   return object[key].get<double>();
-}
-
-Amplifier amplifier_of(const json& a) {
-  std::optional<double> bandwidth_hz;
-  if (a.contains("bandwidth") && !a["bandwidth"].is_null()) bandwidth_hz = a["bandwidth"];
-  if (a["kind"] == "current") {
-    return CurrentAmplifier{bandwidth_hz,
-                            a["sense"] == "motor" ? CurrentSense::motor : CurrentSense::total,
-                            optional_of(a, "current_limit"), optional_of(a, "voltage_limit")};
-  }
-  if (a["kind"] == "voltage") {
-    return VoltageAmplifier{bandwidth_hz, a["output_resistance"], optional_of(a, "current_limit"),
-                            optional_of(a, "voltage_limit")};
-  }
-  return IdealDrive{};
-}
-
-HighPassDamper high_pass_damper_of(const json& d) {
-  return {find_inertia(d), d["damping"]};
-}
-
-// The path stands relative to the model file's folder.
-NetlistDamping netlist_of(const json& d, const std::string& model_file) {
-  const auto path = std::filesystem::path(model_file).parent_path() / d["file"].get<std::string>();
-  try {
-    SpiceCircuit circuit =
-        read_subcircuit(path, d["subckt"].get<std::string>(), {d["allow_negative"].get<bool>()});
-    check_two_terminals(circuit);
-    return {std::move(circuit)};
-  } catch (const Error& error) {  // the reader knows the netlist, not who asked for it
-    throw Error(error.code(), error.place(),
-                fmt::format("{} (netlist of {})", error.message(), model_file));
-  }
-}
-
-// One line per kind of the list. The motor gives what the drive would be set up with by default.
-Damping damping_of(const json& d, const Motor& motor, const json& controller,
-                   const std::string& file) {
-  const std::string kind = d["kind"];
-  if (kind == "resistor") return ResistorDamping{d["resistance"]};
-  if (kind == "netlist") return netlist_of(d, file);
-  if (kind == "rc") return RcDamping{d["resistance"], d["capacitance"]};
-  if (kind == "clamp") return ClampDamping{d["voltage"], d["resistance"]};
-  if (kind == "friction_brake") return FrictionBrake{d["damping"], d["effort"]};
-  if (kind == "resistance_cancellation") {
-    const auto fraction = optional_of(d, "fraction");
-    return ResistanceCancellation{
-        fraction ? *fraction * motor.resistance : d["resistance"].get<double>(),
-        optional_of(d, "bandwidth")};
-  }
-  if (kind == "back_emf") {
-    return BackEmfDamping{d["damping"],
-                          optional_of(d, "resistance_estimate").value_or(motor.resistance),
-                          optional_of(d, "inductance_estimate").value_or(motor.inductance),
-                          optional_of(d, "low_pass"), optional_of(d, "high_pass")};
-  }
-  if (kind == "held_impedance") {
-    const bool wall = controller["kind"] == "virtual_wall";
-    return HeldImpedance{wall ? controller["stiffness"].get<double>() : 0,
-                         wall ? controller["damping"].get<double>() : 0,
-                         optional_of(d, "bandwidth")};
-  }
-  if (kind == "wave") return WaveDamping{d["impedance"]};
-  if (kind == "torque_sensed_damper") return TorqueSensedDamper{d["damping"], d["cutoff"]};
-  if (kind == "eddy_current_brake") return EddyCurrentBrake{d["damping"], d["on"]};
-  return high_pass_damper_of(d);
-}
-
-Drive drive_of(const json& model, const std::string& file) {
-  Drive drive;
-  if (const json& m = model["motor"]; !m.is_null()) {
-    drive.motor = Motor{find_either(m, "torque_constant", "force_constant"),
-                        m["resistance"],
-                        m["inductance"],
-                        m["temperature_coefficient"],
-                        m["temperature_rise"],
-                        {}};
-    if (const json& t = m["thermal"]; !t.is_null())
-      drive.motor->thermal = WindingThermal{t["resistance"], t["capacity"]};
-  }
-  drive.amplifier = amplifier_of(model["amplifier"]);
-  for (const auto& damping : model["damping"])
-    drive.damping.push_back(
-        damping_of(damping, drive.motor.value_or(Motor{}), model["controller"], file));
-  if (const json& h = model["mechanics"]["high_pass_damper"]; !h.is_null())
-    drive.damping.emplace_back(high_pass_damper_of(h));
-  return drive;
-}
-
-Mechanics mechanics_of(const json& m) {
-  Mechanics mechanics;
-  mechanics.inertia = find_inertia(m);
-  mechanics.damping = m["damping"];
-  mechanics.coulomb_friction = m["coulomb_friction"];
-  mechanics.stiction = optional_of(m, "stiction");
-  mechanics.stribeck_velocity = m["stribeck_velocity"];
-  if (const json& s = m["stops"]; !s.is_null()) {
-    mechanics.stops =
-        HardStops{optional_of(s, "lower"), optional_of(s, "upper"), s["stiffness"], s["damping"]};
-  }
-  if (const json& t = m["transmission"]; !t.is_null()) {
-    mechanics.transmission =
-        Transmission{t["stiffness"], t["damping"], find_either(t, "load_inertia", "load_mass")};
-  }
-  return mechanics;
 }
 
 // An analog loop does the wall: the controller must be one, and no estimate of velocity is made.
@@ -267,13 +163,14 @@ Controller Model::sampled_controller() const {
 }
 
 Model parse_model(const json& document, const std::string& file) {
-  const json m = read_document(document, model_format(), file);
+  const ReadDocument read = read_document_with_tolerances(document, model_format(), file);
+  const json& m = read.normal;
   Model model;
   model.name = plain_text(m["name"].get<std::string>());
   model.file = file;
   model.device.motion = m["motion"] == "rotary" ? Motion::rotary : Motion::linear;
-  model.device.drive = drive_of(m, file);
-  model.device.mechanics = mechanics_of(m["mechanics"]);
+  model.device.drive = make_drive(m, file);
+  model.device.mechanics = make_mechanics(m["mechanics"]);
   model.device.sensor =
       m["sensor"]["location"] == "motor" ? SensorLocation::motor : SensorLocation::port;
   model.sensor = parse_sensor(m["sensor"]);
@@ -294,6 +191,8 @@ Model parse_model(const json& document, const std::string& file) {
   model.seed = s["seed"];
   model.source = document;
   check_together(model, document, m, file);
+  model.parts = find_device_parts(m, read.tolerances);
+  if (!read.tolerances.empty()) naming_file(model, [&] { check_device_box(model.device_box()); });
   return model;
 }
 

@@ -3,6 +3,7 @@
 #include "gyrator/cosim/simulation.hpp"
 #include "gyrator/mechanics/device.hpp"
 #include "gyrator/passivity/verdict.hpp"
+#include "gyrator/studies/tolerance.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -28,10 +29,14 @@ struct Model {
   double external_effort = 0;
   std::optional<HandGesture> gesture;
   std::uint64_t seed = 1;
+  DeviceParts parts;      ///< of the device, with their tolerances
   nlohmann::json source;  ///< the file as the user wrote it, for results and reports
 
   /// The law that is left to the sampled loop: none where an analog loop does the wall.
   Controller sampled_controller() const;
+
+  /// All devices that the tolerances allow.
+  DeviceBox device_box() const { return {device, parts}; }
 
   PassivityModel passivity_model() const {
     return {device, sampled_controller(), sampling, sensor.quantum};

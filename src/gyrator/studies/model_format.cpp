@@ -323,6 +323,26 @@ ObjectSpec simulation_spec(const MotionTerms& terms) {
           }};
 }
 
+// What the linear analyses leave out is not varied either.
+const std::vector<std::string>& untoleranced_names() {
+  static const std::vector<std::string> names{
+      "thermal", "coulomb_friction", "stiction",      "stribeck_velocity",
+      "stops",   "current_limit",    "voltage_limit", "voltage",
+      "effort"};
+  return names;
+}
+
+ObjectSpec with_tolerances(ObjectSpec spec) {
+  return allow_tolerances(std::move(spec), untoleranced_names());
+}
+
+std::vector<ObjectSpec> with_tolerances(std::vector<ObjectSpec> specs) {
+  for (ObjectSpec& spec : specs) {
+    if (spec.name != "clamp") spec = with_tolerances(std::move(spec));
+  }
+  return specs;
+}
+
 ObjectSpec model_spec(const MotionTerms& terms) {
   return {
       terms.name,
@@ -333,12 +353,15 @@ ObjectSpec model_spec(const MotionTerms& terms) {
               .by_default(model_schema_name)
               .doc("Version of the format."),
           member::text("name").by_default("unnamed").doc("Shown in reports."),
-          member::object("motor", motor_spec(terms)).doc("Needed by every amplifier but ideal."),
-          member::object("mechanics", mechanics_spec(terms)).required().doc("What moves."),
-          member::variant("amplifier", amplifier_specs())
+          member::object("motor", with_tolerances(motor_spec(terms)))
+              .doc("Needed by every amplifier but ideal."),
+          member::object("mechanics", with_tolerances(mechanics_spec(terms)))
+              .required()
+              .doc("What moves."),
+          member::variant("amplifier", with_tolerances(amplifier_specs()))
               .by_default({{"kind", "current"}})
               .doc("The command is an effort, scaled so that at DC the blocked effort equals it."),
-          member::variant("damping", damping_specs(terms))
+          member::variant("damping", with_tolerances(damping_specs(terms)))
               .list()
               .by_default(json::array())
               .doc("What damps the device, in any mixture: circuits across the motor, feedback "
