@@ -7,4 +7,5 @@ find_package(SUNDIALS 6.4 REQUIRED COMPONENTS cvode nvecserial sunmatrixdense su
 find_package(Boost 1.74 REQUIRED)
 find_package(NLopt REQUIRED)
 find_package(muparser REQUIRED)
+find_package(TBB 2021 REQUIRED)
 find_package(OpenSSL 3.0 REQUIRED COMPONENTS Crypto)

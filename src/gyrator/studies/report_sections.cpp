@@ -292,6 +292,62 @@ ReportSection stability_map_section(const json& result) {
           "borders that the energy of a sample period gives."};
 }
 
+// ---- Tolerances -------------------------------------------------------------------------------
+
+std::string per_cent(double share) {
+  return pretty_number(100 * share, 4) + " %";
+}
+
+// The yield by the samples' share, with its interval.
+std::string yield_in_words(const json& result) {
+  const json& samples = required(result, "samples", "tolerance result");
+  return fmt::format("{} of {} samples (95 % interval {} to {})",
+                     per_cent(required_number(samples, "yield", "samples")),
+                     pretty_number(required_number(samples, "count", "samples")),
+                     per_cent(required_number(samples, "yield_low", "samples")),
+                     per_cent(required_number(samples, "yield_high", "samples")));
+}
+
+std::string tolerance_sentence(const json& result) {
+  return fmt::format(
+      "With the tolerances of its parts, {} is passive in {}; {} at the worst case "
+      "found.",
+      wall_in_words(result), yield_in_words(result),
+      optional_flag(required(result, "worst", "tolerance result"), "passive", false)
+          ? "passive"
+          : "not passive");
+}
+
+ReportSection tolerance_section(const json& result) {
+  const std::string place = "tolerance result";
+  const auto unit = unit_of(result, "stiffness");
+  Rows rows;
+  for (const json& part : required_array(result, "parts", place)) {
+    const auto part_unit = optional_text(part, "unit");
+    const auto cell = [&](const char* key, std::string_view cell_unit) {
+      return number(optional_number(part, key), cell_unit == "1" ? "" : cell_unit);
+    };
+    rows.push_back({{optional_text(part, "name")},
+                    {optional_text(part, "written")},
+                    cell("max_stiffness_at_low", unit),
+                    cell("max_stiffness_at_high", unit),
+                    cell("sensitivity", ""),
+                    cell("rank_correlation", ""),
+                    cell("worst", part_unit)});
+  }
+  const auto limit = [&](const char* key) {
+    return pretty_quantity(optional_number(required(result, key, place), "max_stiffness"), unit);
+  };
+  return {"Tolerances of parts",
+          html_table({"Part", "As written", "Largest K at low end", "at high end", "Sensitivity",
+                      "Rank correlation", "At the worst case"},
+                     rows),
+          fmt::format("Largest passive stiffness {} nominally, {} at the worst case found; the "
+                      "model's wall is passive in {}. Samples estimate, they prove nothing about "
+                      "what lies between them.",
+                      limit("nominal"), limit("worst"), yield_in_words(result))};
+}
+
 // ---- The one list -----------------------------------------------------------------------------
 
 std::string no_sentence(const json&) {
@@ -303,14 +359,15 @@ struct SectionMaker {
   ReportSection (*section)(const json&);
   std::string (*sentence)(const json&);
 };
-constexpr std::array<SectionMaker, 7> makers = {
-    {{"compare", compare_section, no_sentence},
-     {"impedance", impedance_section, no_sentence},
-     {"passivity", passivity_section, passivity_sentence},
-     {"simulate", simulate_section, simulate_sentence},
-     {"stability-map", stability_map_section, no_sentence},
-     {"twoport", two_port_section, two_port_sentence},
-     {"zwidth", zwidth_section, no_sentence}}};
+constexpr auto makers =
+    std::to_array<SectionMaker>({{"compare", compare_section, no_sentence},
+                                 {"impedance", impedance_section, no_sentence},
+                                 {"passivity", passivity_section, passivity_sentence},
+                                 {"simulate", simulate_section, simulate_sentence},
+                                 {"stability-map", stability_map_section, no_sentence},
+                                 {"tolerance", tolerance_section, tolerance_sentence},
+                                 {"twoport", two_port_section, two_port_sentence},
+                                 {"zwidth", zwidth_section, no_sentence}});
 
 const SectionMaker& maker_for(const json& result) {
   const auto command = command_of(result);
@@ -333,6 +390,7 @@ std::string verdict_sentence(const json& result) {
 bool is_bad_news(const json& result) {
   const auto outcome = optional_text(result, "classification");
   return optional_text(result, "verdict") == "not_passive" ||
+         !optional_flag(result, "robust", true) ||
          !optional_flag(result, "absolutely_stable", true) ||
          (!outcome.empty() && !outcome.starts_with("settle"));
 }

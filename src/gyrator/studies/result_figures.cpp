@@ -172,13 +172,14 @@ struct FigureMaker {
   std::string_view command;
   Figure (*make)(const json&);
 };
-constexpr std::array<FigureMaker, 7> figure_makers = {{{"compare", comparison_figure},
-                                                       {"impedance", impedance_figure},
-                                                       {"passivity", passivity_figure},
-                                                       {"simulate", simulate_figure},
-                                                       {"stability-map", stability_map_figure},
-                                                       {"twoport", two_port_figure},
-                                                       {"zwidth", zwidth_figure}}};
+constexpr auto figure_makers = std::to_array<FigureMaker>({{"compare", comparison_figure},
+                                                           {"impedance", impedance_figure},
+                                                           {"passivity", passivity_figure},
+                                                           {"simulate", simulate_figure},
+                                                           {"stability-map", stability_map_figure},
+                                                           {"tolerance", tolerance_figure},
+                                                           {"twoport", two_port_figure},
+                                                           {"zwidth", zwidth_figure}});
 
 }  // namespace
 

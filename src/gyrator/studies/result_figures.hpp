@@ -34,6 +34,9 @@ Figure comparison_figure(const nlohmann::json& result);
 /// Simulated regions over the plane of damping and dry friction, with the analytic borders.
 Figure stability_map_figure(const nlohmann::json& result);
 
+/// Histogram of the passive limit over the tolerances, with the nominal, the worst and the model's
+/// own stiffness; and what each part does alone, as bars.
+Figure tolerance_figure(const nlohmann::json& result);
 /// The left sides of Llewellyn's conditions and |Z_te/Z_e| over frequency, one curve for each
 /// rendering.
 Figure two_port_figure(const nlohmann::json& result);

@@ -541,7 +541,7 @@ TEST(ReadTolerances, where_none_is_possible_the_message_says_so) {
 
 TEST(ReadTolerances, schema_and_manual_say_where_one_is_possible) {
   const std::string schema = write_json_schema(make_toleranced_root(), "x");
-  EXPECT_NE(schema.find("With a tolerance: \"1.5 ohm ± 5 %\"."), std::string::npos);
+  EXPECT_NE(schema.find(R"(With a tolerance: \"1.5 ohm ± 5 %\".)"), std::string::npos);
   EXPECT_EQ(schema.find("0.5 mH ± 5 %"), std::string::npos);
   const std::string manual = write_manual_table(make_toleranced_root());
   EXPECT_NE(manual.find("| `resistance` | ohm ± | required |"), std::string::npos) << manual;

@@ -23,8 +23,8 @@ namespace {
 using nlohmann::json;
 
 std::vector<json> all_samples() {
-  return {sample_passivity(), sample_zwidth(),    sample_simulate(),
-          sample_compare(),   sample_impedance(), sample_stability_map(), sample_two_port()};
+  return {sample_passivity(), sample_zwidth(),        sample_simulate(),  sample_compare(),
+          sample_impedance(), sample_stability_map(), sample_tolerance(), sample_two_port()};
 }
 
 /// What a reader sees: tags taken out.
@@ -160,7 +160,7 @@ TEST(Report, RefusesAnUnknownCommandAndListsTheKnownOnes) {
     const std::string text = error.what();
     EXPECT_NE(text.find("result 2 of 2"), std::string::npos) << text;
     EXPECT_NE(text.find("'teleport'"), std::string::npos) << text;
-    EXPECT_NE(text.find("impedance, passivity, simulate, stability-map, twoport, zwidth"), std::string::npos)
+    EXPECT_NE(text.find("simulate, stability-map, tolerance, twoport, zwidth"), std::string::npos)
         << text;
   }
   EXPECT_EQ(folder.count(), 0U) << "nothing may be left behind";

@@ -177,4 +177,36 @@ inline nlohmann::json sample_stability_map() {
   return result;
 }
 
+/// Two parts, one of which has no bounded limit at its high end.
+inline nlohmann::json sample_tolerance() {
+  auto result = sample_base("tolerance");
+  result["robust"] = false;
+  result["stiffness"] = 0.055;
+  result["virtual_damping"] = 1.5e-4;
+  result["nominal"] = {{"max_stiffness", 0.0658}, {"passive", true}, {"margin", 4e-5}};
+  result["worst"] = {{"max_stiffness", 0.04}, {"passive", false}, {"margin", -6e-5}};
+  result["parts"] = {{{"name", "rc.capacitance"},
+                      {"unit", "F"},
+                      {"written", "2200 uF ± 20 %"},
+                      {"worst", 2640e-6},
+                      {"max_stiffness_at_low", 0.079},
+                      {"max_stiffness_at_high", 0.056},
+                      {"sensitivity", -0.17},
+                      {"rank_correlation", -0.6}},
+                     {{"name", "mechanics.damping"},
+                      {"unit", "N.m.s/rad"},
+                      {"written", "1e-4 N.m.s/rad ± 30 %"},
+                      {"worst", 7e-5},
+                      {"max_stiffness_at_low", 0.06},
+                      {"max_stiffness_at_high", nullptr},
+                      {"sensitivity", nullptr},
+                      {"rank_correlation", 0.4}}};
+  result["samples"] = {{"count", 1000},
+                       {"yield", 0.9},
+                       {"yield_low", 0.88},
+                       {"yield_high", 0.917},
+                       {"histogram", {{"edges", {0.045, 0.06, 0.08}}, {"count", {300, 700}}}}};
+  return result;
+}
+
 }  // namespace gyrator

@@ -209,8 +209,8 @@ TEST(DeviceBox, parts_are_named_by_what_they_are) {
       {{"kind", "rc"}, {"resistance", 1}, {"capacitance", "1 mF ± 20 %"}});
   document["damping"].push_back({{"kind", "resistor"}, {"resistance", "50 ohm ± 1 %"}});
   std::vector<std::string> names;
-  for (const Tolerance& t : parse_model(document, "m").device_box().tolerances())
-    names.push_back(t.name);
+  const Model model = parse_model(document, "m");
+  for (const Tolerance& t : model.parts.tolerances) names.push_back(t.name);
   EXPECT_EQ(names, (std::vector<std::string>{
                        "motor.torque_constant", "motor.resistance", "motor.inductance",
                        "motor.temperature_rise", "mechanics.inertia", "mechanics.damping",
