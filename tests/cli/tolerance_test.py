@@ -80,7 +80,7 @@ class ToleranceTest(ProgramTest):
         self.assertIn("not passive at the worst case found", page)
 
     def test_ctrl_c_leaves_nothing_behind(self):
-        answer = self.interrupt("tolerance", EXAMPLE, "--samples", 10000000, "--csv", "s.csv", "--svg", "s.svg",
+        answer = self.interrupt("tolerance", EXAMPLE, "--samples", 1000000, "--csv", "s.csv", "--svg", "s.svg",
                                 after_s=1)
         self.assertEqual(answer.code, 130, answer)
         self.assertEqual(self.files(), [])

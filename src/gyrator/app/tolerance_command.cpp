@@ -174,7 +174,7 @@ void add_tolerance_command(CLI::App& app, int& exit_code) {
       "Exit code 0: passive in every sample and at the worst case found. 1: not.");
   command->add_option("--samples", options->samples, "Devices drawn at random")
       ->capture_default_str()
-      ->check(whole_number_between(1, 10000000));
+      ->check(whole_number_between(1, 1000000));
   command->add_option("--seed", options->seed, "Of the random numbers: the same gives the same")
       ->capture_default_str()
       ->check(whole_number_between(0, std::numeric_limits<long>::max()));

@@ -143,7 +143,7 @@ TolerancedValue read_two_sides(const Parts& parts, const Unit& expected, std::st
   if (parts.second.empty() || parts.first[0] == parts.second[0]) {
     refuse(whole,
            "a tolerance to one side: give both, such as \"+20 % -10 %\" or \"± 5 %\"; \"-0 %\" for "
-           "none");
+           "none; a range is written \"1 ohm to 2 ohm\"");
   }
   const Quantity given = parse_quantity(parts.nominal);
   const double nominal = value_in(given, expected);
@@ -178,6 +178,12 @@ TolerancedValue read_range(const Parts& parts, const Unit& expected, std::string
   return value;
 }
 
+TolerancedValue read_parts(const Parts& parts, const Unit& expected, std::string_view whole) {
+  if (parts.form == Parts::Form::both_sides) return read_both_sides(parts, expected, whole);
+  if (parts.form == Parts::Form::two_sides) return read_two_sides(parts, expected, whole);
+  return read_range(parts, expected, whole);
+}
+
 }  // namespace
 
 bool has_tolerance(std::string_view text) {
@@ -194,9 +200,12 @@ TolerancedValue parse_toleranced_value(std::string_view text, const Unit& expect
   const std::string plain = replace_signs(whole);
   const auto parts = split(plain);
   if (!parts) refuse(whole, "no tolerance, such as \"± 5 %\"");
-  if (parts->form == Parts::Form::both_sides) return read_both_sides(*parts, expected, whole);
-  if (parts->form == Parts::Form::two_sides) return read_two_sides(*parts, expected, whole);
-  return read_range(*parts, expected, whole);
+  if (parts->form != Parts::Form::range && parts->nominal.empty())
+    refuse(whole, "no value before the tolerance: write \"5 ohm ± 5 %\", or a range alone");
+  const TolerancedValue value = read_parts(*parts, expected, whole);
+  if (!std::isfinite(value.low) || !std::isfinite(value.high))
+    refuse(whole, "an end beyond the range of a double");
+  return value;
 }
 
 }  // namespace gyrator

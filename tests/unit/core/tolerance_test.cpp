@@ -96,6 +96,10 @@ TEST(ParseTolerance, what_is_wrong_is_named) {
       {"0 to 40 K", dimension::temperature, "write it at both"},
       {"50 K (0 K to 40 K)", dimension::temperature, "is outside its range"},
       {"5 ohm", dimension::resistance, "no tolerance"},
+      {"± 5 %", dimension::resistance, "no value before the tolerance"},
+      {"(1 ohm to 2 ohm)", dimension::resistance, "no value before the tolerance"},
+      {"1 ohm - 2 ohm", dimension::resistance, "a range is written"},
+      {"1e308 ohm ± 100 %", dimension::resistance, "beyond the range of a double"},
   };
   for (const Case& c : cases) {
     const std::string message = find_message(c.text, c.unit);
