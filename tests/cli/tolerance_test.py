@@ -106,3 +106,6 @@ class ToleranceTest(ProgramTest):
         self.write_model(plain, "b.json")
         limits = [self.ask("zwidth", name, "--damping", "0")["max_stiffness"] for name in ("a.json", "b.json")]
         self.assertEqual(limits[0], limits[1])
+        words = "the nominal values of 1 part with a tolerance"
+        self.assertIn(words, self.run_program("passivity", "a.json").out)
+        self.assertNotIn(words, self.run_program("passivity", "b.json").out)

@@ -132,6 +132,11 @@ std::string describe(const Model& model, const nlohmann::json& result, const Opt
         "\nproved at every frequency, between the points too: {} intervals, margin at least {}\n",
         proof["intervals"].get<int>(), format_quantity(proof["lowest_margin"], units.damping));
   }
+  if (const std::size_t parts = model.parts.tolerances.size(); parts > 0) {
+    text += fmt::format(
+        "\nJudged at the nominal values of {} with a tolerance: `gyrator tolerance` varies {}.\n",
+        parts == 1 ? "1 part" : fmt::format("{} parts", parts), parts == 1 ? "it" : "them");
+  }
   if (result.contains("minimum_mass")) text += describe_minimum_mass(result["minimum_mass"], units);
   std::string notes;
   const std::string explanation = result["explanation"];

@@ -168,7 +168,7 @@ void add_tolerance_command(CLI::App& app, int& exit_code) {
       *command, options->common,
       "Write one row per sample: its parts, max_stiffness and outcome (0 passive, 1 too_stiff, 2 "
       "no_stiffness, 3 device_active, 4 device_unstable)",
-      "gyrator tolerance examples/rc_display_tolerance.json --samples 1000 --svg tolerance.svg\n\n"
+      "gyrator tolerance examples/rc_display_tolerance.json --samples 200 --svg tolerance.svg\n\n"
       "Tolerances stand in the model file: \"5 ohm ± 5 %\", \"2200 uF +20 % -10 %\", "
       "\"0 K to 40 K\".\n"
       "Exit code 0: passive in every sample and at the worst case found. 1: not.");
