@@ -176,6 +176,44 @@ TEST(ToleranceStudy, devices_that_fail_by_themselves_are_counted_as_such) {
   EXPECT_EQ(study.worst.limit.outcome, WallOutcome::device_unstable);
 }
 
+// A motor of 5 % tolerance under a drive whose command goes by the nominal one.
+json make_motor_model(const json& damping, const char* amplifier) {
+  return {
+      {"motion", "rotary"},
+      {"motor",
+       {{"torque_constant", "50 mN.m/A ± 5 %"}, {"resistance", "2 ohm"}, {"inductance", "0.2 mH"}}},
+      {"mechanics", {{"inertia", "2e-5 kg.m^2"}, {"damping", 1e-4}}},
+      {"amplifier", {{"kind", amplifier}}},
+      {"damping", {damping}},
+      {"sampling", {{"period", T}}},
+      {"controller", {{"kind", "virtual_wall"}, {"stiffness", 0.01}}}};
+}
+
+// One pole w_b in an analog loop whose gain is the motor's, g = K_t/K_t0: g K <= b w_b.
+TEST(ToleranceStudy, the_loop_of_a_held_impedance_is_as_strong_as_the_motor) {
+  const Model model = parse_model(
+      make_motor_model({{"kind", "held_impedance"}, {"bandwidth", "2 kHz"}}, "current"), "m");
+  const LimitSampler sampler(model);
+  for (const double g : {0.95, 1.0, 1.05}) {
+    const double expected = 1e-4 * 2 * std::acos(-1.0) * 2000 / g;
+    EXPECT_NEAR(sampler.at(std::vector<double>{0.05 * g}).max_stiffness, expected, 1e-6 * expected);
+  }
+}
+
+// Waves between controller and resistor are electrical: whatever the motor turns them into, no
+// wall reflects more than it gets.
+TEST(ToleranceStudy, a_wave_drive_stays_passive_whatever_its_motor) {
+  json document = make_motor_model({{"kind", "wave"}, {"impedance", "1 mN.m.s/rad"}}, "voltage");
+  document["controller"] = {{"kind", "wave"},
+                            {"environment", {{"kind", "virtual_wall"}, {"stiffness", 0.01}}}};
+  ToleranceRequest request;
+  request.samples = 10;
+  const ToleranceStudy study = run_tolerance_study(parse_model(document, "m"), request);
+  EXPECT_TRUE(is_robust(study));
+  EXPECT_TRUE(std::isinf(study.worst.limit.max_stiffness));
+  EXPECT_EQ(study.worst.found_by, "nominal") << "nothing is worse than another without a limit";
+}
+
 TEST(ToleranceStudy, what_it_cannot_study_is_refused) {
   const auto message = [](json document) {
     try {

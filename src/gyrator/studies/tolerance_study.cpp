@@ -203,7 +203,7 @@ ToleranceStudy run_tolerance_study(const Model& model, const ToleranceRequest& r
   study.nominal = sampler.at(nominal);
   study.samples = draw_samples(sampler, request);
   study.worst = find_worst_limit(sampler, study.samples, {request.threads, request.quiet});
-  if (study.nominal.max_stiffness < study.worst.limit.max_stiffness)
+  if (study.nominal.max_stiffness <= study.worst.limit.max_stiffness)  // nothing is worse
     study.worst = {study.nominal, nominal, "nominal"};
   study.effects = find_effects(sampler, study.nominal.max_stiffness, study.samples, request);
   return study;
