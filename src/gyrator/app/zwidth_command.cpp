@@ -1,6 +1,7 @@
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/text.hpp"
 #include "gyrator/documents/csv.hpp"
+#include "gyrator/studies/envelope_result.hpp"
 #include "gyrator/studies/model_format.hpp"
 #include "gyrator/studies/results.hpp"
 
@@ -23,6 +24,9 @@ struct Options {
   std::string damping, from, to;
   int points = 61;
   std::string criteria = "exact_disk,frequency_dependent,spring_damper";
+  bool has_criteria = false;
+  bool envelope = false;
+  std::string cutoff, band;
 };
 
 std::vector<Criterion> parse_criteria(const std::string& text) {
@@ -95,8 +99,109 @@ std::string describe(const Model& model, const nlohmann::json& result, bool verb
   return text + describe_linear_range(model, result);
 }
 
+std::vector<Criterion> choose_envelope_criterion(const Options& options) {
+  if (!options.has_criteria) return {Criterion::exact_disk};
+  auto criteria = parse_criteria(options.criteria);
+  if (criteria.size() > 1) {
+    throw Error(ErrorCode::bad_input, "--criterion",
+                fmt::format("{}: an envelope is by one criterion", options.criteria));
+  }
+  return criteria;
+}
+
+EnvelopeRequest make_envelope_request(const Options& options) {
+  EnvelopeRequest request;
+  request.criterion = choose_envelope_criterion(options).front();
+  if (!options.cutoff.empty())
+    request.cutoff_hz = parse_list("--cutoff", options.cutoff, dimension::frequency);
+  if (!options.band.empty()) {
+    const auto ends = parse_list("--band", options.band, dimension::frequency);
+    if (ends.size() != 2) {
+      throw Error(ErrorCode::bad_input, "--band",
+                  fmt::format("'{}': two frequencies are expected, such as 1,400", options.band));
+    }
+    request.from_hz = ends[0];
+    request.to_hz = ends[1];
+  }
+  return request;
+}
+
+std::string describe_wall(const nlohmann::json& walls, std::size_t i) {
+  std::string text = fmt::format("{:10.4g} {:10.4g}", walls["stiffness"][i].get<double>() + 0.0,
+                                 walls["damping"][i].get<double>() + 0.0);
+  if (walls.contains("cutoff_hz"))
+    text += fmt::format(" {:8.4g}", walls["cutoff_hz"][i].get<double>());
+  return text;
+}
+
+std::string describe_envelope(const Model& model, const nlohmann::json& result, bool verbose) {
+  const MotionUnits& units = units_of(model.device.motion);
+  const bool cutoffs = result["at_impedance_max"].contains("cutoff_hz");
+  std::string text = fmt::format(
+      "{}: what the walls that {} calls passive display at the port, |Z| [{}]\n\n{:>10} {:>10} "
+      "{:>10} {:>10}   {:<{}}   {}\n",
+      model.name, result["criterion"].get<std::string>(), units.damping.symbol, "Hz", "smallest",
+      "bare", "largest", cutoffs ? "smallest: K, B, cut-off" : "smallest: K, B", cutoffs ? 30 : 21,
+      cutoffs ? "largest: K, B, cut-off" : "largest: K, B");
+  const std::size_t rows = result["frequency_hz"].size();
+  const std::size_t stride = verbose ? 1 : std::max<std::size_t>(1, (rows + 23) / 24);
+  for (std::size_t i = 0; i < rows; i += stride) {
+    const auto& high = result["impedance_max"][i];
+    text += fmt::format(
+        "{:10.4g} {:10.4g} {:10.4g} {:>10}   {}   {}\n", result["frequency_hz"][i].get<double>(),
+        result["impedance_min"][i].get<double>(), result["bare_impedance"][i].get<double>(),
+        high.is_null() ? "unbounded" : fmt::format("{:.4g}", high.get<double>()),
+        describe_wall(result["at_impedance_min"], i), describe_wall(result["at_impedance_max"], i));
+  }
+  const auto number = [](const nlohmann::json& value) {
+    return value.is_null() ? std::string("unbounded") : fmt::format("{:.4g}", value.get<double>());
+  };
+  const auto& areas = result["areas"];
+  text += fmt::format(
+      "\narea between largest and smallest, {:.4g} Hz to {:.4g} Hz: {} decades^2 (of impedance and "
+      "admittance alike)\n",
+      result["frequency_hz"].front().get<double>(), result["frequency_hz"].back().get<double>(),
+      number(areas["logarithmic"]));
+  for (const auto& region : result["regions"]) {
+    text += fmt::format("area below the K-B boundary, B >= 0{}: {:.4g} {} x {}\n",
+                        region["cutoff_hz"].is_null()
+                            ? ""
+                            : fmt::format(", cut-off {:g} Hz", region["cutoff_hz"].get<double>()),
+                        region["area"].get<double>(), units.stiffness.symbol, units.damping.symbol);
+  }
+  return text + describe_linear_range(model, result);
+}
+
+void write_envelope_csv(const std::string& path, const nlohmann::json& result) {
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> columns;
+  const auto add = [&](const std::string& name, const nlohmann::json& values) {
+    names.push_back(name);
+    columns.emplace_back();
+    for (const auto& value : values)
+      columns.back().push_back(value.is_null() ? INFINITY : value.get<double>());
+  };
+  for (const char* key : {"frequency_hz", "impedance_max", "impedance_min", "admittance_max",
+                          "admittance_min", "bare_impedance"})
+    add(key, result[key]);
+  for (const char* key : {"at_impedance_max", "at_impedance_min"}) {
+    for (const auto& [name, values] : result[key].items())
+      add(fmt::format("{}_{}", name, key), values);
+  }
+  write_csv(path, names, columns);
+}
+
+void run_envelope(const Options& options) {
+  const EnvelopeRequest request = make_envelope_request(options);
+  const Model model = load_model(options.common.model);
+  const nlohmann::json result = make_envelope_result(model, request);
+  if (!options.common.csv.empty()) write_envelope_csv(options.common.csv, result);
+  deliver(options.common, result, describe_envelope(model, result, options.common.verbose));
+}
+
 void run(const Options& options) {
   check_outputs(options.common);
+  if (options.envelope) return run_envelope(options);
   const auto criteria = parse_criteria(options.criteria);
   const Model model = load_model(options.common.model);
   const nlohmann::json result =
@@ -127,7 +232,8 @@ void add_zwidth_command(CLI::App& app, int&) {
     criteria_help += fmt::format("\n  {}: {}", c.name, c.summary);
   add_common_options(
       *command, options->common, "Write damping and the limits as columns",
-      "gyrator zwidth examples/rc_display.json --damping 0,1e-4,1.5e-4 --criterion exact_disk");
+      "gyrator zwidth examples/rc_display.json --damping 0,1e-4,1.5e-4 --criterion exact_disk\n"
+      "  gyrator zwidth examples/rc_display.json --envelope --cutoff 50,200 --svg envelope.svg");
   auto* list =
       command
           ->add_option("--damping", options->damping, "Virtual dampings B, such as 0,0.1mN.m.s/rad")
@@ -141,10 +247,34 @@ void add_zwidth_command(CLI::App& app, int&) {
   command->add_option("--points", options->points, "Number of dampings in the range")
       ->capture_default_str()
       ->check(whole_number_between(2, 1000000));
-  command->add_option("--criterion", options->criteria, criteria_help)
-      ->capture_default_str()
-      ->type_name("LIST");
-  command->callback([options] { run(*options); });
+  auto* criteria = command->add_option("--criterion", options->criteria, criteria_help)
+                       ->capture_default_str()
+                       ->type_name("LIST");
+  auto* envelope = command->add_flag(
+      "--envelope", options->envelope,
+      "Instead: smallest and largest impedance over frequency of all passive walls (K, B), by one "
+      "criterion (exact_disk)");
+  for (auto* other : {list, command->get_option("--from"), command->get_option("--to"),
+                      command->get_option("--points")})
+    envelope->excludes(other);
+  command
+      ->add_option("--cutoff", options->cutoff,
+                   "Of --envelope: also over filtered-difference velocities with these cut-offs "
+                   "[Hz]; by default the model's own velocity")
+      ->type_name("LIST")
+      ->needs(envelope)
+      ->check(not_empty());
+  command
+      ->add_option("--band", options->band,
+                   "Of --envelope: from and to [Hz]; by default from 1 Hz to half the sampling "
+                   "frequency")
+      ->type_name("FROM,TO")
+      ->needs(envelope)
+      ->check(not_empty());
+  command->callback([options, criteria] {
+    options->has_criteria = criteria->count() > 0;
+    run(*options);
+  });
 }
 
 }  // namespace gyrator::app

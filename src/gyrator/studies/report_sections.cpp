@@ -4,9 +4,12 @@
 #include "gyrator/core/text.hpp"
 #include "gyrator/plots/html.hpp"
 #include "gyrator/plots/pretty_text.hpp"
+#include "gyrator/studies/envelope_result.hpp"
+#include "gyrator/studies/environment_result.hpp"
 #include "gyrator/studies/result_fields.hpp"
 #include "gyrator/studies/result_figures.hpp"
 #include "gyrator/studies/two_port_section.hpp"
+#include "gyrator/studies/workspace_result.hpp"
 
 #include <algorithm>
 #include <array>
@@ -361,13 +364,16 @@ struct SectionMaker {
 };
 constexpr auto makers =
     std::to_array<SectionMaker>({{"compare", compare_section, no_sentence},
+                                 {"environment", environment_section, environment_sentence},
                                  {"impedance", impedance_section, no_sentence},
                                  {"passivity", passivity_section, passivity_sentence},
                                  {"simulate", simulate_section, simulate_sentence},
                                  {"stability-map", stability_map_section, no_sentence},
                                  {"tolerance", tolerance_section, tolerance_sentence},
                                  {"twoport", two_port_section, two_port_sentence},
-                                 {"zwidth", zwidth_section, no_sentence}});
+                                 {"workspace", workspace_section, workspace_sentence},
+                                 {"zwidth", zwidth_section, no_sentence},
+                                 {"zwidth-envelope", envelope_section, no_sentence}});
 
 const SectionMaker& maker_for(const json& result) {
   const auto command = command_of(result);

@@ -1,7 +1,10 @@
 #include "gyrator/studies/result_figures.hpp"
 
 #include "gyrator/core/error.hpp"
+#include "gyrator/studies/envelope_result.hpp"
+#include "gyrator/studies/environment_result.hpp"
 #include "gyrator/studies/result_fields.hpp"
+#include "gyrator/studies/workspace_result.hpp"
 
 #include <algorithm>
 #include <array>
@@ -173,13 +176,16 @@ struct FigureMaker {
   Figure (*make)(const json&);
 };
 constexpr auto figure_makers = std::to_array<FigureMaker>({{"compare", comparison_figure},
+                                                           {"environment", environment_figure},
                                                            {"impedance", impedance_figure},
                                                            {"passivity", passivity_figure},
                                                            {"simulate", simulate_figure},
                                                            {"stability-map", stability_map_figure},
                                                            {"tolerance", tolerance_figure},
                                                            {"twoport", two_port_figure},
-                                                           {"zwidth", zwidth_figure}});
+                                                           {"workspace", workspace_figure},
+                                                           {"zwidth", zwidth_figure},
+                                                           {"zwidth-envelope", envelope_figure}});
 
 }  // namespace
 

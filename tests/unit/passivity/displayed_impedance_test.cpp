@@ -70,13 +70,13 @@ TEST(DisplayedImpedance, of_every_passive_wall_has_a_positive_real_part) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> share(0, 1);
   for (const auto& known : {make_rc_motor(), make_p3(), make_sensed_at_the_motor()}) {
-    for (const Rational& delay : {Rational(0), Rational(7, 10000)}) {
+    for (const Rational& delay : {Rational(0), Rational(1, 1000)}) {
       const Sampling sampling{T, delay};
       StiffnessLimits limits(known.device, sampling, DifferenceEstimator{}, FreeOperator{});
       DisplayedImpedance displayed(known.device, sampling);
       const double b = limits.disk().model().at(1).impedance.real();
       int walls = 0;
-      for (int i = 0; i < 40; ++i) {
+      for (int i = 0; i < 8; ++i) {
         const double damping = b * (4 * share(random) - 1);
         const StiffnessLimit limit = limits.find(Criterion::exact_disk, damping);
         if (!limit.feasible) continue;
@@ -88,7 +88,7 @@ TEST(DisplayedImpedance, of_every_passive_wall_has_a_positive_real_part) {
           EXPECT_GT(displayed.at(omega).displayed(H).real(), 0) << omega;
         }
       }
-      EXPECT_GT(walls, 10);
+      EXPECT_GT(walls, 2);
     }
   }
 }

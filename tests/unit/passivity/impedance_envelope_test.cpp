@@ -67,7 +67,7 @@ std::vector<Case> make_cases() {
           {"rc motor, filtered velocity", make_rc_motor().device, {T, 0}, filtered},
           {"rc motor, late", make_rc_motor().device, {T, Rational(7, 10000)}},
           {"sensor at the motor", compliant, {T, 0}},
-          {"sensor at the motor, late", compliant, {T, Rational(12, 10000)}}};
+          {"sensor at the motor, late", compliant, {T, T}}};
 }
 
 TEST(ImpedanceEnvelope, of_a_mass_and_damper_is_that_of_the_triangle_of_passive_walls) {
@@ -97,7 +97,7 @@ TEST(ImpedanceEnvelope, of_a_mass_and_damper_is_that_of_the_triangle_of_passive_
     // at most 2 b/T/steps from the best one, which moves Z by the hold times that.
     const double lattice = 2 * b / period / steps * std::abs(hold);
     EXPECT_NEAR(point.highest.magnitude, highest, 2e-3 * highest) << point.frequency_hz;
-    EXPECT_LE(point.lowest.magnitude, lowest * (1 + 1e-9)) << point.frequency_hz;
+    EXPECT_LE(point.lowest.magnitude, lowest + 1e-5 * highest) << point.frequency_hz;
     EXPECT_GE(point.lowest.magnitude, lowest - lattice - 1e-3 * point.highest.magnitude);
     EXPECT_NEAR(point.bare, std::abs(m * s + b), 1e-12 * point.bare);
   }
@@ -114,7 +114,7 @@ TEST(ImpedanceEnvelope, holds_every_passive_wall_inside_the_region_too) {
     for (const auto& corner : outline) high = std::max(high, corner.damping);
     const auto envelope = bench.compute();
     int near_the_top = 0;
-    for (int i = 0; i < 150; ++i) {
+    for (int i = 0; i < 40; ++i) {
       const double damping = low + (high - low) * share(random);
       const StiffnessLimit limit = bench.limits.find(Criterion::exact_disk, damping);
       ASSERT_TRUE(limit.feasible) << c.name << damping;
@@ -131,7 +131,7 @@ TEST(ImpedanceEnvelope, holds_every_passive_wall_inside_the_region_too) {
         if (size > 0.8 * point.highest.magnitude) ++near_the_top;
       }
     }
-    EXPECT_GT(near_the_top, 10) << c.name;  // the sample is no idle one
+    EXPECT_GT(near_the_top, 5) << c.name;  // the sample is no idle one
   }
 }
 

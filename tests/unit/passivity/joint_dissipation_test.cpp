@@ -60,7 +60,7 @@ TEST(JointDissipation, no_joint_velocity_loses_less_than_the_task_damping_asks_f
       EXPECT_GE(lost, pose.largest_isotropic * x.squaredNorm() * (1 - 1e-9));
       closest = std::min(closest, lost / (pose.largest_isotropic * x.squaredNorm()));
     }
-    EXPECT_LT(closest, 1.1);  // and it is no larger than it may be
+    EXPECT_LT(closest, 1.3);  // and it is hardly larger than it need be: 3000 directions of three
     // The eigenvalue is below zero exactly where the factor is below one.
     EXPECT_EQ(pose.least_eigenvalue.value() < 0, pose.allowed_factor.value() < 1);
   }
