@@ -100,9 +100,14 @@ EnvironmentVerdict judge_environment(const EnvironmentProfile& profile, const De
   EnvironmentVerdict verdict;
   verdict.activity = compute_environment_activity(profile, sampling);
   AliasedDisk disk(device, sampling);
-  for (const double omega : make_judging_grid(disk.model().poles(), disk.period())) disk.at(omega);
+  const std::vector<double> grid = make_judging_grid(disk.model().poles(), disk.period());
+  for (const double omega : grid) disk.at(omega);
   verdict.dissipation = disk.least_damping().value;
-  verdict.dissipation_frequency_hz = disk.least_damping().omega / (2 * std::numbers::pi);
+  // A constant damping is least nowhere: only rounding would tell a frequency.
+  const double slow = disk.model().at(grid.front()).impedance.real();
+  const bool constant = verdict.dissipation > slow * (1 - 1e-6);
+  const double where = constant ? grid.front() : disk.least_damping().omega;
+  verdict.dissipation_frequency_hz = where / (2 * std::numbers::pi);
   verdict.coupling = coupling_damping;
   const double delta = verdict.dissipation;
   verdict.allowed = coupling_damping && delta > 0

@@ -63,7 +63,7 @@ double find_worst_share(const EnvironmentActivity& activity, const Sampling& sam
 struct EnvironmentVerdict {
   EnvironmentActivity activity;
   double dissipation = 0;               ///< delta, the least Re Z over all frequencies
-  double dissipation_frequency_hz = 0;  ///< where
+  double dissipation_frequency_hz = 0;  ///< where; the limit at zero if constant
   std::optional<double> coupling;       ///< gamma [N.s/m, N.m.s/rad]
   double allowed = 0;                ///< what alpha must stay below: delta, or with gamma in series
   bool inequality = false;           ///< alpha < allowed

@@ -57,7 +57,7 @@ std::vector<double> choose_band(const Model& model, const EnvelopeRequest& reque
                                 const std::vector<double>& judged) {
   // At Nyquist itself the fundamental and its alias are one.
   const double nyquist = 0.5 / model.sampling.period.to_double();
-  const double low = request.from_hz.value_or(std::min(1.0, 1e-3 * nyquist));
+  const double low = request.from_hz.value_or(std::min(1.0, 1e-2 * nyquist));
   const double high = request.to_hz.value_or(nyquist * (1 - 1e-6));
   if (!(low > 0) || !(high > low) || !(high < nyquist)) {
     throw Error(

@@ -15,7 +15,7 @@ namespace gyrator {
 struct EnvelopeRequest {
   Criterion criterion = Criterion::exact_disk;
   std::vector<double> cutoff_hz;  ///< of filtered differences; empty: the model's own estimator
-  /// Band [Hz]; by default from 1 Hz (a thousandth of Nyquist, if that is lower) to Nyquist.
+  /// Band [Hz]; by default from 1 Hz (a hundredth of Nyquist, if that is lower) to Nyquist.
   std::optional<double> from_hz, to_hz;
 };
 
