@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
 #include <fmt/core.h>
 
@@ -17,7 +18,10 @@ constexpr int range_bisections = 18;
 
 class Boundary {
  public:
-  Boundary(StiffnessLimits& limits, Criterion criterion) : limits_(limits), criterion_(criterion) {}
+  Boundary(StiffnessLimits& limits, const LawFamily& family, Criterion criterion)
+      : limits_(limits), criterion_(criterion) {
+    for (const double omega : limits.grid()) laws_.push_back(family.prepare(omega));
+  }
 
   std::vector<WallPoint> trace() {
     if (!find(0).feasible) {
@@ -57,6 +61,18 @@ class Boundary {
     return found.stiffness;
   }
 
+  // Whether K = 0 may be passive with this B. The disk's answer on the grid alone: next to the edge
+  // rounding makes minima without end, and refining each would take most of the time.
+  bool may_hold(double damping) {
+    if (criterion_ != Criterion::exact_disk) return find(damping).feasible;
+    const auto& disks = limits_.disks();
+    for (std::size_t i = 0; i < disks.size(); ++i) {
+      const std::complex<double> law = laws_[i].output * damping * laws_[i].velocity;
+      if (!(disks[i].damping_margin(law) > 0)) return false;
+    }
+    return true;
+  }
+
   // How far B goes up (or down) from zero while K = 0 is passive.
   double find_end(double sign) {
     double most = 0;
@@ -64,7 +80,7 @@ class Boundary {
       most = std::max(most, limits_.disk().model().at(omega).impedance.real());
     double good = 0;
     double bad = 1e-3 * most;
-    for (int doublings = 0; find(sign * bad).feasible; ++doublings) {
+    for (int doublings = 0; may_hold(sign * bad); ++doublings) {
       if (doublings == 60) {
         throw Error(ErrorCode::bad_input, "controller",
                     fmt::format("no envelope: {} allows any virtual damping", name_of(criterion_)));
@@ -74,8 +90,11 @@ class Boundary {
     }
     for (int i = 0; i < range_bisections; ++i) {
       const double middle = (good + bad) / 2;
-      (find(sign * middle).feasible ? good : bad) = middle;
+      (may_hold(sign * middle) ? good : bad) = middle;
     }
+    // Between the grid's points it may fail a little earlier.
+    for (double inside = 1e-6; !find(sign * good).feasible; inside *= 4)
+      good *= 1 - std::min(inside, 1.0);
     return good;
   }
 
@@ -95,12 +114,14 @@ class Boundary {
 
   StiffnessLimits& limits_;
   Criterion criterion_;
+  std::vector<LawFamily::Point> laws_;
 };
 
 }  // namespace
 
-PassiveWalls trace_passive_walls(StiffnessLimits& limits, Criterion criterion) {
-  const std::vector<WallPoint> limit = Boundary(limits, criterion).trace();
+PassiveWalls trace_passive_walls(StiffnessLimits& limits, const LawFamily& family,
+                                 Criterion criterion) {
+  const std::vector<WallPoint> limit = Boundary(limits, family, criterion).trace();
   PassiveWalls walls;
   walls.outline = {{0, limit.front().damping}, {0, limit.back().damping}};
   walls.outline.insert(walls.outline.end(), limit.rbegin(), limit.rend());

@@ -30,8 +30,10 @@ inline constexpr double outline_tolerance = 1e-3;
 /// are halved until the middle of every side is within outline_tolerance of the largest stiffness.
 /// Corners lie on the limit itself; where the disk's gap |c|^2 - r^2 is not positive, D is concave
 /// over (K, B), the region convex, and no side lies outside it.
+/// `family` is that of the limits' controller.
 /// Throws bad_input at "controller" where not even the bare device is passive and where the
 /// criterion bounds stiffness or damping nowhere, as for a wave drive or an analog loop.
-PassiveWalls trace_passive_walls(StiffnessLimits& limits, Criterion criterion);
+PassiveWalls trace_passive_walls(StiffnessLimits& limits, const LawFamily& family,
+                                 Criterion criterion);
 
 }  // namespace gyrator

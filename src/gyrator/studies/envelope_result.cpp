@@ -122,8 +122,8 @@ json make_envelope_result(const Model& model, const EnvelopeRequest& request) {
     for (const Controller& controller : list_controllers(model, request)) {
       StiffnessLimits limits(model.device, model.sampling, controller, model.held_by);
       if (frequency.empty()) frequency = choose_band(model, request, limits.grid());
-      choices.push_back({LawFamily(controller, model.sampling.period.to_double()),
-                         trace_passive_walls(limits, request.criterion)});
+      const LawFamily family(controller, model.sampling.period.to_double());
+      choices.push_back({family, trace_passive_walls(limits, family, request.criterion)});
     }
     DisplayedImpedance displayed(model.device, model.sampling);
     const auto envelope = compute_impedance_envelope(displayed, choices, frequency);

@@ -28,8 +28,8 @@ struct Bench {
   Bench(const Device& device, const Sampling& sampling, Criterion criterion,
         const Controller& controller = VirtualWall{})
       : limits(device, sampling, controller, FreeOperator{}), displayed(device, sampling) {
-    choices.push_back({LawFamily(controller, sampling.period.to_double()),
-                       trace_passive_walls(limits, criterion)});
+    const LawFamily family(controller, sampling.period.to_double());
+    choices.push_back({family, trace_passive_walls(limits, family, criterion)});
   }
 
   std::vector<EnvelopePoint> compute(const std::vector<double>& hertz = frequencies) {
