@@ -55,10 +55,15 @@ class EnvelopeTest(ProgramTest):
         for words in ("Z-width over frequency", "Nonlinear environment", "Joint damping at the hand"):
             self.assertIn(words, page)
 
+    def test_a_criterion_that_calls_too_much_passive_shows_itself(self):
+        answer = self.run_program("zwidth", RC_DISPLAY, "--envelope", "--criterion", "frequency_dependent")
+        self.assertEqual(answer.code, 0)
+        self.assertIn("frequency_dependent is mistaken here", answer.out)
+
     def test_what_has_no_envelope_is_refused_in_words(self):
         for arguments, words in (
                 ((RC_DISPLAY, "--envelope", "--criterion", "exact_disk,coupled"), "by one criterion"),
-                ((RC_DISPLAY, "--envelope", "--band", "1,900"), "below half the sampling frequency, 500 Hz"),
+                ((RC_DISPLAY, "--envelope", "--band", "1,900"), "gyrator: --band: 1 Hz to 900 Hz"),
                 ((RC_DISPLAY, "--envelope", "--band", "10"), "two frequencies"),
                 ((RC_DISPLAY, "--envelope", "--cutoff", "-3"), "must be above 0 Hz"),
                 ((RC_DISPLAY, "--cutoff", "3"), "--envelope"),

@@ -162,6 +162,12 @@ std::string describe_envelope(const Model& model, const nlohmann::json& result, 
       "admittance alike)\n",
       result["frequency_hz"].front().get<double>(), result["frequency_hz"].back().get<double>(),
       number(areas["logarithmic"]));
+  if (areas["logarithmic"].is_null()) {
+    text += fmt::format(
+        "{} is mistaken here: among its walls are some that display no impedance at all, or one "
+        "without bound, which no passive wall does\n",
+        result["criterion"].get<std::string>());
+  }
   for (const auto& region : result["regions"]) {
     text += fmt::format("area below the K-B boundary, B >= 0{}: {:.4g} {} x {}\n",
                         region["cutoff_hz"].is_null()

@@ -61,9 +61,10 @@ class Boundary {
     return found.stiffness;
   }
 
-  // Whether K = 0 may be passive with this B. The disk's answer on the grid alone: next to the edge
-  // rounding makes minima without end, and refining each would take most of the time.
-  bool may_hold(double damping) {
+  // Whether K = 0 meets the disk with this B on the grid: necessary, and all that fails first next
+  // to the edge of a passive range. There rounding makes minima without end, and refining each
+  // would take most of the time.
+  bool meets_grid(double damping) {
     if (criterion_ != Criterion::exact_disk) return find(damping).feasible;
     const auto& disks = limits_.disks();
     for (std::size_t i = 0; i < disks.size(); ++i) {
@@ -80,7 +81,11 @@ class Boundary {
       most = std::max(most, limits_.disk().model().at(omega).impedance.real());
     double good = 0;
     double bad = 1e-3 * most;
-    for (int doublings = 0; may_hold(sign * bad); ++doublings) {
+    bool on_grid = true;
+    for (int doublings = 0;; ++doublings) {
+      on_grid = meets_grid(sign * bad);
+      // With a large B the disk may be met by a loop that is not stable.
+      if (!on_grid || !find(sign * bad).feasible) break;
       if (doublings == 60) {
         throw Error(ErrorCode::bad_input, "controller",
                     fmt::format("no envelope: {} allows any virtual damping", name_of(criterion_)));
@@ -90,7 +95,8 @@ class Boundary {
     }
     for (int i = 0; i < range_bisections; ++i) {
       const double middle = (good + bad) / 2;
-      (may_hold(sign * middle) ? good : bad) = middle;
+      const bool passive = on_grid ? find(sign * middle).feasible : meets_grid(sign * middle);
+      (passive ? good : bad) = middle;
     }
     // Between the grid's points it may fail a little earlier.
     for (double inside = 1e-6; !find(sign * good).feasible; inside *= 4)

@@ -41,10 +41,6 @@ std::vector<Controller> list_controllers(const Model& model, const EnvelopeReque
   if (request.cutoff_hz.empty()) return {model.sampled_controller()};
   std::vector<Controller> controllers;
   for (const double cutoff : request.cutoff_hz) {
-    if (!(cutoff > 0)) {
-      throw Error(ErrorCode::bad_input, "--cutoff",
-                  fmt::format("{:g} Hz: must be above 0 Hz", cutoff));
-    }
     VirtualWall wall;
     if (const auto* own = std::get_if<VirtualWall>(&model.controller.law)) wall = *own;
     wall.velocity = FilteredDifferenceEstimator{cutoff};
@@ -53,8 +49,17 @@ std::vector<Controller> list_controllers(const Model& model, const EnvelopeReque
   return controllers;
 }
 
-std::vector<double> choose_band(const Model& model, const EnvelopeRequest& request,
-                                const std::vector<double>& judged) {
+struct Band {
+  double low, high;  // [Hz]
+};
+
+// Checks what the user asked for, too: these errors are not the model's.
+Band choose_band(const Model& model, const EnvelopeRequest& request) {
+  for (const double cutoff : request.cutoff_hz) {
+    if (cutoff > 0) continue;
+    throw Error(ErrorCode::bad_input, "--cutoff",
+                fmt::format("{:g} Hz: must be above 0 Hz", cutoff));
+  }
   // At Nyquist itself the fundamental and its alias are one.
   const double nyquist = 0.5 / model.sampling.period.to_double();
   const double low = request.from_hz.value_or(std::min(1.0, 1e-2 * nyquist));
@@ -66,6 +71,11 @@ std::vector<double> choose_band(const Model& model, const EnvelopeRequest& reque
                     "frequency, {:g} Hz",
                     low, high, nyquist));
   }
+  return {low, high};
+}
+
+std::vector<double> list_frequencies(const Band& band, const std::vector<double>& judged) {
+  const auto [low, high] = band;
   std::vector<double> frequency{low};
   for (const double omega : judged) {
     const double hertz = omega / (2 * std::numbers::pi);
@@ -114,6 +124,7 @@ json region_of(const WallChoice& choice, const std::vector<double>& cutoff_hz, s
 }  // namespace
 
 json make_envelope_result(const Model& model, const EnvelopeRequest& request) {
+  const Band band = choose_band(model, request);
   return naming_file(model, [&] {
     require_stable_device(model.device);
     require_position_wall(model);
@@ -121,7 +132,7 @@ json make_envelope_result(const Model& model, const EnvelopeRequest& request) {
     std::vector<double> frequency;
     for (const Controller& controller : list_controllers(model, request)) {
       StiffnessLimits limits(model.device, model.sampling, controller, model.held_by);
-      if (frequency.empty()) frequency = choose_band(model, request, limits.grid());
+      if (frequency.empty()) frequency = list_frequencies(band, limits.grid());
       const LawFamily family(controller, model.sampling.period.to_double());
       choices.push_back({family, trace_passive_walls(limits, family, request.criterion)});
     }
