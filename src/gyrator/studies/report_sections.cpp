@@ -395,7 +395,8 @@ std::string verdict_sentence(const json& result) {
 
 bool is_bad_news(const json& result) {
   const auto outcome = optional_text(result, "classification");
-  return optional_text(result, "verdict") == "not_passive" ||
+  const auto verdict = optional_text(result, "verdict");
+  return verdict == "not_passive" || verdict == "not_enough" ||
          !optional_flag(result, "robust", true) ||
          !optional_flag(result, "absolutely_stable", true) ||
          (!outcome.empty() && !outcome.starts_with("settle"));

@@ -24,7 +24,8 @@ using nlohmann::json;
 
 std::vector<json> all_samples() {
   return {sample_passivity(), sample_zwidth(),        sample_simulate(),  sample_compare(),
-          sample_impedance(), sample_stability_map(), sample_tolerance(), sample_two_port()};
+          sample_impedance(), sample_stability_map(), sample_tolerance(), sample_two_port(),
+          sample_envelope(),  sample_environment(),   sample_workspace()};
 }
 
 /// What a reader sees: tags taken out.
@@ -160,7 +161,8 @@ TEST(Report, RefusesAnUnknownCommandAndListsTheKnownOnes) {
     const std::string text = error.what();
     EXPECT_NE(text.find("result 2 of 2"), std::string::npos) << text;
     EXPECT_NE(text.find("'teleport'"), std::string::npos) << text;
-    EXPECT_NE(text.find("simulate, stability-map, tolerance, twoport, zwidth"), std::string::npos)
+    EXPECT_NE(text.find("simulate, stability-map, tolerance, twoport, workspace, zwidth"),
+              std::string::npos)
         << text;
   }
   EXPECT_EQ(folder.count(), 0U) << "nothing may be left behind";
@@ -220,6 +222,13 @@ TEST(Report, IsWrittenWholeToItsFile) {
   write_report({sample_simulate()}, folder / "report.html");
   EXPECT_EQ(read_text(folder / "report.html"), report_as_html({sample_simulate()}));
   EXPECT_EQ(folder.count(), 1U);
+}
+
+TEST(Report, SaysWhatEnvironmentAndWorkspaceComeTo) {
+  const auto text = shown_text(report_as_html({sample_environment(), sample_workspace()}));
+  EXPECT_NE(text.find("Not shown to be passive"), std::string::npos) << text;
+  EXPECT_NE(text.find("the sensor is not at the port"), std::string::npos);
+  EXPECT_NE(text.find("Not enough: at the pose far"), std::string::npos) << text;
 }
 
 TEST(ResultFigures, EveryCommandHasOne) {

@@ -209,4 +209,52 @@ inline nlohmann::json sample_tolerance() {
   return result;
 }
 
+/// Three frequencies; the last has walls without bound.
+inline nlohmann::json sample_envelope() {
+  auto result = sample_base("zwidth-envelope");
+  result["criterion"] = "exact_disk";
+  result["frequency_hz"] = {1, 10, 100};
+  result["impedance_max"] = {0.03, 0.002, nullptr};
+  result["impedance_min"] = {3e-6, 3e-4, 0.012};
+  result["admittance_max"] = {3e5, 3e3, 80};
+  result["admittance_min"] = {30, 500, 0};
+  result["bare_impedance"] = {2e-4, 1.5e-3, 0.0125};
+  result["areas"] = {{"logarithmic", 2.5}, {"impedance", 0.01}, {"admittance", 6e4}};
+  return result;
+}
+
+/// A step that falls again, on a device whose command takes another path.
+inline nlohmann::json sample_environment() {
+  auto result = sample_base("environment");
+  result["verdict"] = "not_passive";
+  result["applies"] = false;
+  result["reasons"] = {"the sensor is not at the port"};
+  result["alpha"] = 1e-4;
+  result["delta"] = 2e-4;
+  result["allowed_alpha"] = 2e-4;
+  result["coupling_damping"] = nullptr;
+  result["steepest_rise"] = {{"slope", 0.2}, {"from", 0}, {"to", 0.1}};
+  result["steepest_fall"] = nullptr;
+  result["profile"] = {
+      {"file", "step.csv"}, {"position", {0, 0.1, 0.2}}, {"effort", {0, 0.02, 0.02}}};
+  return result;
+}
+
+/// Two poses, one of which does not suffice.
+inline nlohmann::json sample_workspace() {
+  auto result = sample_base("workspace");
+  const auto pose = [](const char* name, double isotropic, double factor) {
+    return nlohmann::json{{"name", name},
+                          {"largest_isotropic", isotropic},
+                          {"least_eigenvalue", 0.01 * (factor - 1)},
+                          {"allowed_factor", factor},
+                          {"holds", factor >= 1}};
+  };
+  result["poses"] = {pose("near", 0.5, 1.6), pose("far", 0.2, 0.7)};
+  result["verdict"] = "not_enough";
+  result["allowed_factor"] = 0.7;
+  result["worst_pose"] = "far";
+  return result;
+}
+
 }  // namespace gyrator
