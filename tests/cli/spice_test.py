@@ -38,6 +38,14 @@ class SpiceTest(ProgramTest):
             with self.subTest(held_by=held_by["kind"]):
                 self.deviations(name)
 
+    def test_ngspice_agrees_behind_a_filter_of_either_order(self):
+        for order in (1, 2):
+            model = with_value(load_example(), "/sensor/filter", {"cutoff": "80 Hz", "order": order})
+            model["simulation"] |= {"duration": "0.1 s", "initial_position": 0.01, "initial_velocity": 0.5}
+            with self.subTest(order=order):
+                found = self.deviations(self.write_model(model))
+                self.assertLess(found["position"]["worst"], 1e-4)
+
     def test_ngspice_agrees_on_every_law_that_bends(self):
         current = {"kind": "current", "bandwidth": "400 Hz"}
         clamp = {"kind": "clamp", "voltage": "20 mV"}

@@ -168,6 +168,9 @@ inline std::vector<NamedDevice> make_device_list() {
   list.push_back({"high-pass damper", high_pass});
   for (NamedDevice& named : make_fed_back_devices()) list.push_back(std::move(named));
 
+  Device filtered = make_rc_display();
+  filtered.sensor_filter = SensorFilter{.cutoff_hz = 300, .order = 1};
+  list.push_back({"filtered sensor", filtered});
   for (const SensorLocation sensor : {SensorLocation::port, SensorLocation::motor}) {
     Device compliant = make_rc_display();
     compliant.mechanics.transmission =
@@ -178,6 +181,8 @@ inline std::vector<NamedDevice> make_device_list() {
     compliant.drive.amplifier = VoltageAmplifier{.bandwidth_hz = 2000};
     compliant.drive.damping.push_back(HighPassDamper{.inertia = 5e-6, .damping = 1e-3});
     list.push_back({"all mechanics, sensor at the " + place, compliant});
+    compliant.sensor_filter = SensorFilter{.cutoff_hz = 200, .order = 2};
+    list.push_back({"all mechanics, filtered sensor at the " + place, compliant});
   }
   return list;
 }

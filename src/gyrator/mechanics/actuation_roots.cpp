@@ -55,6 +55,7 @@ ActuationRoots find_actuation_roots(const Device& device) {
   Device blocked = device;
   blocked.mechanics.transmission.reset();
   blocked.sensor = SensorLocation::port;
+  blocked.sensor_filter.reset();
   const Plant plant =
       build_plant(build_device_network(blocked, ClampedOperator{}, find_amplifier_gain(device)));
   ActuationRoots roots;

@@ -1,8 +1,10 @@
 #include "gyrator/mechanics/device.hpp"
 
+#include "gyrator/circuits/drive_parts.hpp"
 #include "gyrator/core/error.hpp"
 
 #include <cmath>
+#include <numbers>
 
 #include <fmt/core.h>
 
@@ -56,6 +58,41 @@ void check_stops(const HardStops& stops) {
     refuse("/damping", fmt::format("{:g}: must be at least 0", stops.damping));
 }
 
+void check_filter(const Device& device) {
+  const SensorFilter& filter = *device.sensor_filter;
+  const auto refuse = [](const char* key, const std::string& message) {
+    throw Error(ErrorCode::bad_input, std::string("sensor/filter") + key, message);
+  };
+  if (device.sensor == SensorLocation::outgoing_wave)
+    refuse("", "a controller of kind \"wave\" reads no position: leave it out");
+  if (!(filter.cutoff_hz > 0) || !std::isfinite(filter.cutoff_hz))
+    refuse("/cutoff", fmt::format("{:g} Hz: must be above 0 Hz", filter.cutoff_hz));
+  if (filter.order != 1 && filter.order != 2)
+    refuse("/order", fmt::format("{}: must be 1 or 2", filter.order));
+}
+
+// The low-pass (filter-1) of the velocity at `from`: a lag, or a source behind sqrt(2) [ohm]
+// feeding an inductor and a capacitor of 1/w_c, whose poles are Butterworth's.
+void add_filter(DeviceNetwork& d, const SensorFilter& filter, NodeId from) {
+  const std::string name = "sensor.filter";
+  Network& network = d.network;
+  if (filter.order == 1) {
+    d.filter = {add_lag(network, name, from, filter.cutoff_hz)};
+  } else {
+    const double part = 1 / (2 * std::numbers::pi * filter.cutoff_hz);
+    const double source = 1 / std::numbers::sqrt2;
+    const NodeId first = network.add_node(name + ".source", Domain::electrical);
+    const NodeId output = network.add_node(name, Domain::electrical);
+    network.add(name + ".input", ground, first,
+                VoltageControlledCurrentSource{source, from, ground}, Role::signal);
+    network.add(name + ".conductance", first, ground, Conductance{source}, Role::signal);
+    network.add(name + ".inductance", first, output, Inductor{part}, Role::signal);
+    network.add(name + ".capacitance", output, ground, Capacitor{part}, Role::signal);
+    d.filter = {first, output};
+  }
+  d.sensed = d.filter.back();
+}
+
 // A rigid link, as a resistor of 0 ohm becomes, is passive as well.
 bool is_passive(const ElementLaw& law) {
   if (const auto* link = std::get_if<VoltageSource>(&law)) return !link->input;
@@ -65,6 +102,11 @@ bool is_passive(const ElementLaw& law) {
 }
 
 }  // namespace
+
+double find_lag(const SensorFilter& filter) {
+  const double corner = 2 * std::numbers::pi * filter.cutoff_hz;
+  return (filter.order == 1 ? 1 : std::numbers::sqrt2) / corner;
+}
 
 std::optional<DryFriction> find_dry_friction(const Mechanics& mechanics) {
   const DryFriction friction{mechanics.coulomb_friction,
@@ -136,9 +178,14 @@ DeviceNetwork build_device_network(const Device& device, const Operator& held_by
     network.add("mechanics.transmission.load_inertia", d.port, ground, Capacitor{t.load_inertia});
   }
   d.sensor = device.sensor;
-  const NodeId sensed = d.sensor == SensorLocation::motor ? d.motor_shaft : d.port;
-  d.collocated = d.sensor != SensorLocation::outgoing_wave && sensed == d.port;
-  d.drive = add_drive(network, device.drive, {command, d.motor_shaft, d.port, sensed}, gain);
+  d.sensed = d.sensor == SensorLocation::motor ? d.motor_shaft : d.port;
+  // An analog loop of the drive has the sensor's own signal.
+  d.drive = add_drive(network, device.drive, {command, d.motor_shaft, d.port, d.sensed}, gain);
+  if (device.sensor_filter) {
+    check_filter(device);
+    add_filter(d, *device.sensor_filter, d.sensed);
+  }
+  d.collocated = d.sensor != SensorLocation::outgoing_wave && d.sensed == d.port;
   if (d.sensor == SensorLocation::outgoing_wave && !d.drive.source) {
     throw Error(ErrorCode::bad_input, "damping",
                 "no wave leaves this drive: add {\"kind\": \"wave\", \"impedance\": …}, a voltage "
@@ -203,14 +250,7 @@ double find_amplifier_gain(const Device& device) {
 }
 
 LinearForm find_sensed_rate(const DeviceNetwork& device, const NetworkEquations& equations) {
-  switch (device.sensor) {
-    case SensorLocation::port:
-      return equations.across(device.port);
-    case SensorLocation::motor:
-      return equations.across(device.motor_shaft);
-    case SensorLocation::outgoing_wave:
-      break;
-  }
+  if (device.sensor != SensorLocation::outgoing_wave) return equations.across(device.sensed);
   LinearForm wave = equations.across(*device.drive.terminal);
   const LinearForm source = equations.across(*device.drive.source);
   wave.x = 2 * wave.x - source.x;

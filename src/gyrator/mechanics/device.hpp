@@ -38,6 +38,18 @@ std::optional<DryFriction> find_dry_friction(const Mechanics& mechanics);
 /// that leaves a wave drive, W = V - R_w i [V].
 enum class SensorLocation { port, motor, outgoing_wave };
 
+/// An analog low-pass between the position sensor and the sampler, which loads neither:
+///   order 1   F(s) = 1/(1 + s/w_c)
+///   order 2   F(s) = 1/(1 + sqrt(2) s/w_c + (s/w_c)^2)   (Butterworth)              (filter-1)
+/// -3 dB at `cutoff_hz` = w_c/(2 pi) [Hz]. It lags slow motion by 1/w_c or sqrt(2)/w_c.
+struct SensorFilter {
+  double cutoff_hz = 0;
+  int order = 1;
+};
+
+/// How far the filter's output trails a constant velocity, -F'(0) [s].
+double find_lag(const SensorFilter& filter);
+
 /// Everything continuous: drive, mechanics and what is sensed.
 struct Device {
   Motion motion = Motion::rotary;
@@ -47,6 +59,7 @@ struct Device {
   /// Of the amplifier, set once for a device that this one differs from; none: that at which the
   /// blocked effort equals the command.
   std::optional<double> gain = {};
+  std::optional<SensorFilter> sensor_filter = {};
 };
 
 // What the operator does at the port.
@@ -92,6 +105,8 @@ struct DeviceNetwork {
   NodeId port;         ///< mechanical node that the operator holds
   NodeId motor_shaft;  ///< differs from port behind a compliant transmission
   SensorLocation sensor = SensorLocation::port;
+  NodeId sensed;               ///< whose across is the sensed velocity, behind any filter
+  std::vector<NodeId> filter;  ///< nodes of the sensor's filter, the sensed one last
   ElementId operator_ammeter;  ///< effort from the operator into the device
   DriveTaps drive;
   double gain = 1;         ///< of the amplifier, per unit of command [A/N.m, V/N.m, 1 …]
@@ -104,7 +119,8 @@ struct DeviceNetwork {
 /// Builds the network. The command is scaled so that at DC, and with the winding at the reference
 /// temperature, the blocked effort equals it, unless the device has a gain of its own; throws
 /// bad_input where the drive passes no DC at all, where a wave is to be sensed without a drive that
-/// has one, and where friction or stops contradict themselves.
+/// has one or through a filter, where a filter makes no sense, and where friction or stops
+/// contradict themselves.
 DeviceNetwork build_device_network(const Device& device, const Operator& held_by);
 
 /// The same with the amplifier's gain as it is, whatever effort comes of it.
@@ -113,8 +129,9 @@ DeviceNetwork build_device_network(const Device& device, const Operator& held_by
 /// The gain that build_device_network scales the command by: the device's own, if it has one.
 double find_amplifier_gain(const Device& device);
 
-/// The rate of what the controller samples: port or motor velocity [m/s, rad/s], or the outgoing
-/// wave W = 2 V - U [V]. `equations` are those of the device's own network.
+/// The rate of what the controller samples: port or motor velocity [m/s, rad/s], behind the filter
+/// where there is one, or the outgoing wave W = 2 V - U [V]. `equations` are those of the device's
+/// own network.
 LinearForm find_sensed_rate(const DeviceNetwork& device, const NetworkEquations& equations);
 
 }  // namespace gyrator

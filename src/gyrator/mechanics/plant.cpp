@@ -138,18 +138,21 @@ Plant assemble_plant(const DeviceNetwork& device, const NetworkEquations& equati
   if (device.drive.terminal) read_if_finite("voltage", equations.across(*device.drive.terminal));
 
   // At rest electrically, every inertia at the given velocity: of all unknowns only the
-  // mechanical node velocities are set.
+  // mechanical node velocities are set, and what the sensor's filter makes of a steady one.
   VectorXd moving = VectorXd::Zero(equations.descriptor().size());
   const auto& nodes = device.network.nodes();
   for (std::size_t node = 1; node < nodes.size(); ++node) {
     if (nodes[node].domain == Domain::mechanical) moving(static_cast<Index>(node) - 1) = 1;
   }
+  for (const NodeId node : device.filter) moving(node.index - 1) = 1;
   const VectorXd at_velocity = reduction.initialize * moving;
 
   // The network may hold the second of the two in terms of the first. A position is at its best as
-  // a state or a spring of its own, so that the wave's integral comes after it.
+  // a state or a spring of its own, so that the wave's integral comes after it, and so does a
+  // filtered position, which is the true one less what the filter's state trails it by.
   const bool wave = device.sensor == SensorLocation::outgoing_wave;
-  if (!wave) {
+  const bool sensed_first = !wave && device.filter.empty();
+  if (sensed_first) {
     plant.sensor_position =
         append_position(plant, "sensor_position", sensor_velocity,
                         {&plant.port_velocity, &plant.port_effort, &sensor_velocity});
@@ -159,13 +162,13 @@ Plant assemble_plant(const DeviceNetwork& device, const NetworkEquations& equati
     plant.port_position.name = "position";
   } else {
     std::vector<Signal*> others{&plant.port_velocity, &plant.port_effort, &sensor_velocity};
-    if (!wave) others.push_back(&plant.sensor_position);
+    if (sensed_first) others.push_back(&plant.sensor_position);
     plant.port_position = append_position(plant, "position", plant.port_velocity, others);
   }
   const Index before_wave = plant.A.rows();
-  if (wave) {
+  if (!sensed_first) {
     plant.sensor_position = append_position(
-        plant, wave_integral_name, sensor_velocity,
+        plant, wave ? wave_integral_name : "sensor_position", sensor_velocity,
         {&plant.port_velocity, &plant.port_effort, &plant.port_position, &sensor_velocity});
   }
 

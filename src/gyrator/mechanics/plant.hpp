@@ -61,9 +61,10 @@ struct NonlinearPart {
 ///
 /// Positions are integrals of velocities; `sensor_position` is what the controller samples: a
 /// position [m, rad], or for a wave drive the integral of the outgoing wave [V.s], zero at the
-/// start. One that the network holds already (the deflection of the operator's spring) is read from
-/// it instead of being integrated a second time, so that the loop has no spurious eigenvalue at
-/// one.
+/// start. A filtered position starts where the filter stands that has followed the initial velocity
+/// for long: find_lag() times that velocity behind. One that the network holds already (the
+/// deflection of the operator's spring) is read from it instead of being integrated a second time,
+/// so that the loop has no spurious eigenvalue at one.
 ///
 /// With a nonlinear part, A and B are its tangent at the operating point, and signals and energies
 /// are functions of ξ and U.

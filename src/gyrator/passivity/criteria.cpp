@@ -40,7 +40,9 @@ std::vector<std::string> drive_reasons(const Assumptions& a) {
         "at low frequency)",
         a.lag_s));
   }
-  if (!a.collocated) reasons.emplace_back("the sensor is not at the port");
+  if (!a.collocated)
+    reasons.emplace_back(a.filtered ? "the sensed position lags behind its filter"
+                                    : "the sensor is not at the port");
   if (a.held) reasons.emplace_back("the wall is an analog loop: no sampled law is left to judge");
   return reasons;
 }
@@ -146,6 +148,7 @@ Assumptions test_assumptions(const Device& device, const Sampling& sampling, Por
   Assumptions a;
   a.held = find_held_impedance(device) != nullptr;
   a.collocated = build_device_network(device, FreeOperator{}).collocated;
+  a.filtered = device.sensor_filter.has_value();
   a.reads_wave = device.sensor == SensorLocation::outgoing_wave;
   a.no_delay = sampling.delay == Rational(0);
   a.whole_delay = split_delay(sampling).rest == 0;

@@ -10,6 +10,7 @@ struct Assumptions {
   bool non_decreasing_damping = true;  ///< Re Z never falls as frequency rises, to infinity
   bool ideal_drive = true;             ///< A = 1 up to far beyond Nyquist
   bool collocated = true;              ///< the sensor sees the port
+  bool filtered = false;               ///< … through an analog low-pass
   bool held = false;                   ///< the wall is an analog loop of the device
   bool reads_wave = false;             ///< the controller samples no motion at all
   bool predicts = false;               ///< the wall is rendered where the device will be

@@ -173,6 +173,7 @@ Model parse_model(const json& document, const std::string& file) {
   model.device.mechanics = make_mechanics(m["mechanics"]);
   model.device.sensor =
       m["sensor"]["location"] == "motor" ? SensorLocation::motor : SensorLocation::port;
+  model.device.sensor_filter = parse_sensor_filter(m["sensor"]);
   model.sensor = parse_sensor(m["sensor"]);
   model.sampling = parse_sampling(m["sampling"], file);
   model.dac = parse_dac(m["dac"]);

@@ -16,6 +16,18 @@ Rational time_of(const json& value) {
 }  // namespace
 
 ObjectSpec sensor_spec(const MotionUnits& units) {
+  const ObjectSpec filter{
+      "filter",
+      "An analog low-pass in front of the sampler. It has followed the initial velocity for long "
+      "when a run starts. An analog wall (held_impedance) acts on the unfiltered position.",
+      {
+          member::quantity("cutoff", dimension::frequency)
+              .required()
+              .above(0)
+              .doc("-3 dB frequency."),
+          member::integer("order").by_default(1).at_least(1).at_most(2).doc(
+              "1, or 2 (Butterworth)."),
+      }};
   return {
       "sensor",
       "The position sensor.",
@@ -35,6 +47,8 @@ ObjectSpec sensor_spec(const MotionUnits& units) {
           member::choice("location", {"port", "motor"})
               .by_default("port")
               .doc("Differs only behind a compliant transmission."),
+          member::object("filter", filter)
+              .doc("Analog low-pass between the sensor and the sampler; absent: none."),
       }};
 }
 
@@ -73,6 +87,12 @@ ObjectSpec dac_spec(const MotionUnits& units) {
 
 Sensor parse_sensor(const json& sensor) {
   return {sensor["quantum"], sensor["offset"], sensor["noise"]};
+}
+
+std::optional<SensorFilter> parse_sensor_filter(const json& sensor) {
+  const json& filter = sensor["filter"];
+  if (filter.is_null()) return std::nullopt;
+  return SensorFilter{filter["cutoff"], filter["order"]};
 }
 
 Sampling parse_sampling(const json& sampling, const std::string& file) {

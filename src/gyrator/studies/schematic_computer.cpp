@@ -133,8 +133,12 @@ struct WrapperLines {
 
 }  // namespace
 
-BlockText describe_sensor(const Sensor& sensor, const SchematicTerms& terms) {
+BlockText describe_sensor(const Sensor& sensor, const std::optional<SensorFilter>& filter,
+                          const SchematicTerms& terms) {
   BlockText lines{"position sensor"};
+  if (filter)
+    lines.push_back((filter->order == 2 ? "low-pass, order 2 " : "low-pass ") +
+                    print_quantity(filter->cutoff_hz, dimension::frequency));
   if (sensor.quantum > 0)
     lines.push_back("step " + print_quantity(sensor.quantum, terms.units.quantum));
   if (sensor.offset != 0)

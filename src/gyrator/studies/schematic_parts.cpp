@@ -260,7 +260,8 @@ Diagram describe_device(const Model& model) {
   Diagram diagram;
   diagram.title = model.name;
   const bool analog = find_held_impedance(device) != nullptr;  // steps are the computer's
-  diagram.sensor = describe_sensor(analog ? Sensor{} : model.sensor, terms);
+  diagram.sensor = describe_sensor(analog ? Sensor{} : model.sensor,
+                                   analog ? std::nullopt : device.sensor_filter, terms);
   diagram.sensor_at_shaft =
       device.sensor == SensorLocation::motor && device.mechanics.transmission.has_value();
   std::visit(AmplifierParts{diagram, terms}, device.drive.amplifier);

@@ -154,6 +154,18 @@ std::string refusal(const Device& device) {
   return "accepted";
 }
 
+TEST(Device, a_sensor_filter_that_makes_no_sense_is_refused) {
+  Device device = make_rc_display();
+  device.sensor_filter = SensorFilter{.cutoff_hz = 0};
+  EXPECT_EQ(refusal(device), "sensor/filter/cutoff: 0 Hz: must be above 0 Hz");
+  device.sensor_filter = SensorFilter{.cutoff_hz = 100, .order = 3};
+  EXPECT_EQ(refusal(device), "sensor/filter/order: 3: must be 1 or 2");
+  device.sensor_filter = SensorFilter{.cutoff_hz = 100, .order = 2};
+  EXPECT_EQ(refusal(device), "accepted");
+  device.sensor = SensorLocation::outgoing_wave;
+  EXPECT_NE(refusal(device).find("sensor/filter: a controller of kind"), std::string::npos);
+}
+
 TEST(Device, a_drive_that_passes_no_steady_effort_cannot_be_scaled_and_is_refused) {
   Device no_torque = make_rc_display();
   no_torque.drive.motor->torque_constant = 0;

@@ -139,6 +139,23 @@ inline KnownDevice make_compliant(double m, double b, const Transmission& t,
           }};
 }
 
+/// F(s) of (filter-1).
+inline Complex filter_response(const SensorFilter& filter, Complex s) {
+  const Complex p = s / (2 * pi * filter.cutoff_hz);
+  return filter.order == 1 ? 1.0 / (1.0 + p) : 1.0 / (1.0 + std::numbers::sqrt2 * p + p * p);
+}
+
+/// A device whose sensor is read through a low-pass: S and M behind it, Z and A untouched.
+inline KnownDevice behind_filter(KnownDevice known, const SensorFilter& filter) {
+  known.device.sensor_filter = filter;
+  return {known.device, [bare = known.at, filter](Complex s) {
+            PortForm form = bare(s);
+            form.sensor_path *= filter_response(filter, s);
+            form.blocked_motion *= filter_response(filter, s);
+            return form;
+          }};
+}
+
 /// P3 with a damper to a floating inertia [fig. 8.19b].
 inline KnownDevice make_high_pass(double inertia, double damping, const HighPassDamper& far) {
   KnownDevice known = make_point_mass(inertia, damping);

@@ -12,16 +12,20 @@ namespace {
 using namespace passivity_tests;
 
 std::vector<KnownDevice> make_devices() {
-  return {make_p3(),
-          make_rc_motor(),
-          make_rc_motor({}, true),
-          make_slow_rc_motor(300),
-          make_voltage_driven_motor(0.5),
-          make_wave_motor(),
-          make_wave_motor({.R_c = 1.9}),
-          make_high_pass(0.04, 0.8, {0.01, 2.0}),
-          make_compliant(0.04, 0.8, {2e4, 0.3, 0.02}, SensorLocation::port),
-          make_compliant(0.04, 0.8, {2e4, 0.3, 0.02}, SensorLocation::motor)};
+  return {
+      make_p3(),
+      make_rc_motor(),
+      make_rc_motor({}, true),
+      make_slow_rc_motor(300),
+      make_voltage_driven_motor(0.5),
+      make_wave_motor(),
+      make_wave_motor({.R_c = 1.9}),
+      make_high_pass(0.04, 0.8, {0.01, 2.0}),
+      make_compliant(0.04, 0.8, {2e4, 0.3, 0.02}, SensorLocation::port),
+      make_compliant(0.04, 0.8, {2e4, 0.3, 0.02}, SensorLocation::motor),
+      behind_filter(make_rc_motor(), {200, 1}),
+      behind_filter(make_p3(), {3e3, 2}),
+      behind_filter(make_compliant(0.04, 0.8, {2e4, 0.3, 0.02}, SensorLocation::motor), {300, 2})};
 }
 
 std::vector<double> make_frequencies() {

@@ -34,7 +34,12 @@ std::vector<Case> make_cases() {
           {"slow amplifier", make_slow_rc_motor(300), {T, 0}, 1e-4},
           {"voltage drive", make_voltage_driven_motor(0.5), {T, 0}, 2e-4},
           {"compliant, sensor at port", compliant(SensorLocation::port), {T, 0}, 0},
-          {"compliant, sensor at motor", compliant(SensorLocation::motor), {T, 0}, 5e-5}};
+          {"compliant, sensor at motor", compliant(SensorLocation::motor), {T, 0}, 5e-5},
+          {"filtered sensor", behind_filter(make_p3(), {200, 2}), {T, 0}, 0.3},
+          {"filtered sensor at motor, late",
+           behind_filter(compliant(SensorLocation::motor), {400, 1}),
+           {T, Rational(7, 10000)},
+           5e-5}};
 }
 
 double find_least_margin(StiffnessLimits& limits, double stiffness, double virtual_damping) {
@@ -158,6 +163,48 @@ TEST(StiffnessLimit, lists_every_criterion_under_its_own_name) {
   EXPECT_EQ(name_of(Criterion::frequency_dependent), "frequency_dependent");
   EXPECT_EQ(name_of(Criterion::exact_disk), "exact_disk");
   EXPECT_EQ(name_of(Criterion::coupled), "coupled");
+}
+
+// Z = m s + b, A = 1, S = F, M = 0, H = K: as w -> 0 the base term of (disk-3) lags by all delays,
+// and each alias adds what its filtered disk, turned by arg F, has more of radius than of centre
+// towards -1/H:
+//   D -> b - K (T/2 + t_d + D_f) - K^2/(2 b) sum_{n != 0} (|F_n| - Re F_n)/(n w_s)^2,
+// D_f = 1/w_c or sqrt(2)/w_c, t_d whole periods. The mass does not enter.
+double find_filtered_limit(const SensorFilter& filter, double b, double period, double delay) {
+  const double lag = (filter.order == 1 ? 1 : std::numbers::sqrt2) / (2 * pi * filter.cutoff_hz);
+  double aliases = 0;
+  for (int n = 1; n < 20000; ++n) {
+    const double omega = 2 * pi * n / period;
+    const Complex F = filter_response(filter, Complex(0, omega));
+    aliases += 2 * (std::abs(F) - F.real()) / (omega * omega);
+  }
+  const double slope = period / 2 + delay + lag;
+  return 2 * b / (slope + std::sqrt(slope * slope + 2 * aliases));
+}
+
+TEST(StiffnessLimit, of_a_spring_behind_a_filter_counts_the_filters_lag_beside_hold_and_delay) {
+  const double b = 0.8;
+  const double T = 1e-3;
+  for (const SensorFilter& filter : {SensorFilter{50, 1}, SensorFilter{400, 1}, SensorFilter{20, 2},
+                                     SensorFilter{200, 2}, SensorFilter{5e3, 1}}) {
+    for (const int late : {0, 1, 3}) {
+      const Device device = behind_filter(make_point_mass(0.04, b), filter).device;
+      StiffnessLimits limits(device, {Rational(1, 1000), Rational(late, 1000)},
+                             DifferenceEstimator{}, FreeOperator{});
+      const StiffnessLimit limit = limits.find(Criterion::exact_disk, 0);
+      // The sum's tail beyond 2e4 aliases, and the lowest frequency in place of zero (1e-4 of the
+      // slowest pole, squared).
+      const double wanted = find_filtered_limit(filter, b, T, late * T);
+      EXPECT_NEAR(limit.stiffness, wanted, 1e-6 * wanted)
+          << filter.cutoff_hz << " Hz, late " << late;
+      // The aliases take 3.9 % at most, over all cut-offs: b > K (T/2 + t_d + lag) nearly says it
+      // all.
+      const double plain = b / (T / 2 + late * T + find_lag(filter));
+      EXPECT_LT(limit.stiffness, plain) << filter.cutoff_hz;
+      EXPECT_GT(limit.stiffness, 0.95 * plain) << filter.cutoff_hz;
+      EXPECT_LT(limit.worst_frequency_hz, 1) << filter.cutoff_hz;
+    }
+  }
 }
 
 }  // namespace
