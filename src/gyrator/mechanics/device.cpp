@@ -181,11 +181,12 @@ DeviceNetwork build_device_network(const Device& device, const Operator& held_by
   d.sensed = d.sensor == SensorLocation::motor ? d.motor_shaft : d.port;
   // An analog loop of the drive has the sensor's own signal.
   d.drive = add_drive(network, device.drive, {command, d.motor_shaft, d.port, d.sensed}, gain);
+  d.port_sensed = d.sensor != SensorLocation::outgoing_wave && d.sensed == d.port;
   if (device.sensor_filter) {
     check_filter(device);
     add_filter(d, *device.sensor_filter, d.sensed);
   }
-  d.collocated = d.sensor != SensorLocation::outgoing_wave && d.sensed == d.port;
+  d.collocated = d.port_sensed && !device.sensor_filter;
   if (d.sensor == SensorLocation::outgoing_wave && !d.drive.source) {
     throw Error(ErrorCode::bad_input, "damping",
                 "no wave leaves this drive: add {\"kind\": \"wave\", \"impedance\": …}, a voltage "

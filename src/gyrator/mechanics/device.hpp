@@ -109,8 +109,9 @@ struct DeviceNetwork {
   std::vector<NodeId> filter;  ///< nodes of the sensor's filter, the sensed one last
   ElementId operator_ammeter;  ///< effort from the operator into the device
   DriveTaps drive;
-  double gain = 1;         ///< of the amplifier, per unit of command [A/N.m, V/N.m, 1 …]
-  bool collocated = true;  ///< the sensor sees the port's motion itself
+  double gain = 1;          ///< of the amplifier, per unit of command [A/N.m, V/N.m, 1 …]
+  bool collocated = true;   ///< the sensor sees the port's motion itself
+  bool port_sensed = true;  ///< … or behind a filter: with the port held it sees nothing
   // Not of the network: the linear tools leave both out, build_moving_plant takes them in.
   std::optional<DryFriction> friction;  ///< at motor_shaft
   std::optional<HardStops> stops;       ///< at port

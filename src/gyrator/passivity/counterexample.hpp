@@ -24,6 +24,9 @@ struct Counterexample {
 /// An inertia M and spring k present M w - k/w: they meet X_0 and X_-1 exactly where the solution
 /// is not negative, X_0 alone otherwise, along a family. The candidates are ranked by the spectral
 /// radius of the exact loop and the best ones improved; resonators are added only if that fails.
+/// A disk that is exceeded at low frequency alone takes a large inertia, M w^2 ~ K, and the loop
+/// grows slowly, by about |D| w^2 T/(4 K) per sample: counted where it is more than rounding can
+/// have made of one (rounding-1).
 /// None if nothing was found (near Nyquist X_0 and X_-1 are wanted at almost conjugate
 /// frequencies).
 std::optional<Counterexample> find_counterexample(const Device& device, const Sampling& sampling,

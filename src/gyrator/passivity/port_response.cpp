@@ -2,6 +2,7 @@
 
 #include "gyrator/circuits/descriptor_response.hpp"
 #include "gyrator/circuits/reduction.hpp"
+#include "gyrator/core/error.hpp"
 #include "gyrator/core/interrupt.hpp"
 #include "gyrator/core/plain_complex.hpp"
 
@@ -13,76 +14,52 @@ namespace {
 using Complex = std::complex<double>;
 
 // Columns of `admittance`: command, external effort. Rows: port velocity, sensed velocity.
-PortResponse from_admittance(double omega, const Eigen::MatrixXcd& admittance, bool collocated) {
+PortResponse from_admittance(double omega, const Eigen::MatrixXcd& admittance,
+                             const DeviceNetwork& device) {
   const Complex y_pu = admittance(0, 0);
   const Complex y_pp = admittance(0, 1);
   PortResponse r{omega, 1.0 / y_pp, y_pu / y_pp, 1.0, 0.0};
-  if (!collocated) {
+  if (!device.collocated) {
     r.sensor_path = admittance(1, 1) / y_pp;
-    r.blocked_motion = admittance(1, 0) - r.sensor_path * y_pu;
+    // Behind a filter at the port M is zero, not the rounding of a difference.
+    if (!device.port_sensed) r.blocked_motion = admittance(1, 0) - r.sensor_path * y_pu;
   }
   return r;
 }
 
-StateSpace make_admittance(const DeviceNetwork& device) {
-  const NetworkEquations equations(device.network);
+// A source moves the port. What it feels of its own acceleration is the inertia that is rigid with
+// it.
+BlockedDevice block_port(const Device& device) {
+  DeviceNetwork held = build_device_network(device, FreeOperator{});
+  const int velocity = held.network.add_input("velocity");
+  const ElementId source = held.network.add("operator.motion", held.port, ground,
+                                            VoltageSource{velocity}, Role::operator_side);
+  const NetworkEquations equations(held.network);
   const Reduction reduction = reduce(equations.descriptor());
-  StateSpace system{reduction.A, reduction.B, Eigen::MatrixXd(2, reduction.A.rows()),
-                    Eigen::MatrixXd(2, 2)};
-  const ReducedForm port = reduction.reduce(equations.across(device.port));
-  const ReducedForm sensed = reduction.reduce(find_sensed_rate(device, equations));
-  system.C << port.state, sensed.state;
-  system.D << port.input, sensed.input;
-  return system;
-}
-
-// From free to blocked: dv/dt = C A x + C B_f f + C B_u u is solved for f. The state loses the
-// direction that v itself fixes, x = w + B_f v/(C B_f) with C w = 0; of w the component with the
-// largest entry in C is left out.
-BlockedDevice block_port(const StateSpace& free, bool collocated) {
-  const Eigen::VectorXd by_command = free.B.col(0);
-  const Eigen::VectorXd by_effort = free.B.col(1);
-  const Eigen::RowVectorXd port = free.C.row(0);
+  // Through the source flows what it takes from the port: the effort of the hand on it, turned.
+  const ReducedForm effort = reduction.reduce(equations.through(source));
+  const ReducedForm sensed = reduction.reduce(find_sensed_rate(held, equations));
+  if (!held.collocated && sensed.input_rate.cwiseAbs().maxCoeff() > 0) {
+    throw Error(ErrorCode::numerical, "sensor",
+                "what is sensed would follow the port's acceleration at once");
+  }
   BlockedDevice blocked;
-  blocked.inertia = 1 / port.dot(by_effort);
-  const double m = blocked.inertia;
-  const Eigen::RowVectorXd drift = m * port * free.A;
-  const Eigen::MatrixXd A = free.A - by_effort * drift;
-  const Eigen::VectorXd command = by_command - by_effort * (m * port.dot(by_command));
-  const Eigen::VectorXd velocity = A * by_effort * m;
-
-  Eigen::Index fixed = 0;
-  port.cwiseAbs().maxCoeff(&fixed);
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index i = 0; i < A.rows(); ++i) {
-    if (i != fixed) kept.push_back(i);
-  }
-  const auto n = static_cast<Eigen::Index>(kept.size());
-  Eigen::MatrixXd embed = Eigen::MatrixXd::Zero(A.rows(), n);
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const Eigen::Index i = kept[static_cast<std::size_t>(k)];
-    embed(i, k) = 1;
-    embed(fixed, k) = -port(i) / port(fixed);
-  }
+  blocked.inertia = -effort.input_rate(velocity);
+  blocked.sensed_at_port = held.port_sensed;
+  const Eigen::Index outputs = held.collocated ? 1 : 2;
   StateSpace& system = blocked.system;
-  system.A = A(kept, Eigen::all) * embed;
-  system.B.resize(n, 2);
-  system.B << command(kept), velocity(kept);
-  const Eigen::Index outputs = collocated ? 1 : 2;
-  system.C.resize(outputs, n);
+  system.A = reduction.A;
+  system.B.resize(system.A.rows(), 2);
+  system.B << reduction.B.col(held.command), reduction.B.col(velocity);
+  system.C.resize(outputs, system.A.rows());
   system.D.resize(outputs, 2);
-  system.C.row(0) = -drift * embed;
-  system.D.row(0) << -m * port.dot(by_command), -m * drift.dot(by_effort);
-  if (!collocated) {
-    system.C.row(1) = free.C.row(1) * embed;
-    system.D.row(1) << free.D(1, 0), m * free.C.row(1).dot(by_effort);
+  system.C.row(0) = -effort.state;
+  system.D.row(0) << -effort.input(held.command), -effort.input(velocity);
+  if (!held.collocated) {
+    system.C.row(1) = sensed.state;
+    system.D.row(1) << sensed.input(held.command), sensed.input(velocity);
   }
   return blocked;
-}
-
-BlockedDevice block_port(const Device& device) {
-  const DeviceNetwork network = build_device_network(device, FreeOperator{});
-  return block_port(make_admittance(network), network.collocated);
 }
 
 Eigen::VectorXcd poles_of(const Device& device, const Operator& held_by) {
@@ -107,7 +84,7 @@ std::vector<PortResponse> compute_port_response(const Device& device,
     const Eigen::MatrixXcd& x = response.solve(Complex(0, omega));
     Eigen::MatrixXcd admittance(2, x.cols());
     admittance << port.x * x, sensed.x * x;
-    responses.push_back(from_admittance(omega, admittance, network.collocated));
+    responses.push_back(from_admittance(omega, admittance, network));
   }
   return responses;
 }
@@ -116,7 +93,7 @@ PortModel::PortModel(const Device& device)
     : blocked_(block_port(device)),
       response_(blocked_.system),
       modes_(ModalResponse::find(blocked_.system)),
-      blocked_feedthrough_(collocated() ? 0 : blocked_.system.D(1, 0)) {
+      blocked_feedthrough_(sees_no_command() ? 0 : blocked_.system.D(1, 0)) {
   const Eigen::VectorXcd free = poles_of(device, FreeOperator{});
   const Eigen::VectorXcd clamped = poles_of(device, ClampedOperator{});
   poles_.resize(free.size() + clamped.size());
@@ -136,7 +113,7 @@ PortResponse PortModel::at(double omega) {
   PortResponse response{omega, y[1] + Complex(0, omega * blocked_.inertia), -y[0], 1.0, 0.0};
   if (!collocated()) {
     response.sensor_path = y[3];
-    response.blocked_motion = y[2];
+    if (!sees_no_command()) response.blocked_motion = y[2];
   }
   return response;
 }

@@ -35,8 +35,9 @@ std::vector<PortResponse> compute_port_response(const Device& device,
 /// with m the inertia that is rigid with the port: what is left of Z is proper, and its real part
 /// no small difference of large numbers. Its poles are those of the device held still.
 struct BlockedDevice {
-  double inertia = 0;  ///< m [kg, kg.m^2]
-  StateSpace system;   ///< one output where the sensor sees the port itself (S = 1, M = 0)
+  double inertia = 0;           ///< m [kg, kg.m^2]
+  StateSpace system;            ///< one output where the sensor sees the port itself (S = 1, M = 0)
+  bool sensed_at_port = false;  ///< behind a filter at the port, so that M = 0
 };
 
 /// The same response from the reduced state space, fast enough for sums over many aliases.
@@ -54,6 +55,8 @@ class PortModel {
 
   const BlockedDevice& blocked() const { return blocked_; }
   bool collocated() const { return blocked_.system.C.rows() == 1; }
+  /// Whether M = 0: the sensor is at the port, behind a filter or not.
+  bool sees_no_command() const { return collocated() || blocked_.sensed_at_port; }
   /// Its modes; none where they do not reproduce it.
   const std::optional<ModalResponse>& modes() const { return modes_; }
 

@@ -85,7 +85,8 @@ PortTaylor expand_port(PortModel& model, double omega, double reach) {
   const TaylorModel actuation = Complex(-1) * y[0];
   // The port's inertia adds to Im Z alone.
   if (collocated) return {real_part(y[1]), actuation, constant_model(0, reach)};
-  return {real_part(y[1]), y[3] * actuation, y[2]};
+  return {real_part(y[1]), y[3] * actuation,
+          model.sees_no_command() ? constant_model(0, reach) : y[2]};
 }
 
 TaylorModel expand_law(const DiscreteStateSpace& law, double period, double omega, double reach) {
