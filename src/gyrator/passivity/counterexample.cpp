@@ -253,7 +253,9 @@ std::optional<Counterexample> find_counterexample(const Device& device, const Sa
                                                   const std::vector<double>& failing_omega) {
   const Search search(device, sampling, law);
   const double delay = sampling.delay.to_double();
-  std::vector<MassSpringDamper> operators{MassSpringDamper{}};
+  // Let go, and all but held still.
+  std::vector<MassSpringDamper> operators{
+      MassSpringDamper{}, {1e-2 * largest_inertia * search.inertia_scale(), 0, 0, {}}};
   for (const double omega : failing_omega) {
     const auto wanted =
         find_wanted(disk, omega, law.response(std::polar(1.0, omega * disk.period())), delay, 3);

@@ -181,10 +181,14 @@ StiffnessLimit StiffnessLimits::find_exact_disk(double virtual_damping) {
   // all.
   const double inside = std::isfinite(result.stiffness) ? result.stiffness / 2 : 1;
   const DiscreteStateSpace law = family_.make(inside, virtual_damping);
-  const SampledPlant free =
-      sample_plant(build_plant(build_device_network(device_, FreeOperator{})), sampling_);
-  if (compute_spectral_radius(build_loop_matrix(free, law)) > 1 + stability_tolerance)
-    return {0, false, 0};
+  // Held still as well: a law with a corner of its own below the grid (a soft wall behind a wave
+  // line) could hide there.
+  for (const Operator& extreme : {Operator{FreeOperator{}}, Operator{ClampedOperator{}}}) {
+    const SampledPlant plant =
+        sample_plant(build_plant(build_device_network(device_, extreme)), sampling_);
+    if (compute_spectral_radius(build_loop_matrix(plant, law)) > 1 + stability_tolerance)
+      return {0, false, 0};
+  }
   return result;
 }
 

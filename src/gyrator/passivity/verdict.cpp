@@ -86,8 +86,13 @@ class Judge {
     v.uncoupled_spectral_radius =
         compute_spectral_radius(build_loop_matrix(sample_plant(free, model_.sampling), law_));
     const bool stable_alone = v.uncoupled_spectral_radius <= 1 + stability_tolerance;
+    // A corner of the law's own may lie below the grid: a held port finds it.
+    const Plant unmoved = build_plant(build_device_network(model_.device, ClampedOperator{}));
+    const bool stable_held =
+        compute_spectral_radius(build_loop_matrix(sample_plant(unmoved, model_.sampling), law_)) <=
+        1 + stability_tolerance;
     const bool proved = proof_.outcome == ProofOutcome::proved;
-    exact.holds = worst_.value > 0 && stable_alone && v.device_passive && proved;
+    exact.holds = worst_.value > 0 && stable_alone && stable_held && v.device_passive && proved;
     if (const auto wall = find_wall_values(model_.controller)) {
       exact.max_stiffness = limits_.find(Criterion::exact_disk, wall->damping).stiffness;
     } else if (const auto* held = find_held_impedance(model_.device)) {
@@ -100,6 +105,8 @@ class Judge {
       exact.reason =
           fmt::format("the loop is unstable with nothing attached (spectral radius {:.6g})",
                       v.uncoupled_spectral_radius);
+    } else if (!stable_held && worst_.value > 0) {
+      exact.reason = "the loop is unstable with the port held still";
     } else if (std::isinf(v.worst_disk.radius)) {
       exact.reason =
           "the device's damping vanishes at high frequency faster than the command path: no bound "
