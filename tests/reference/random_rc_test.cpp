@@ -1,5 +1,5 @@
-// The exact disk on random RC-damped devices: safe below its limit, tight above. The long version,
-// with a table, is bench/random_rc_study.
+// The exact disk on random RC-damped devices: safe below its limit, tight above, and the
+// counterexamples' runs diverge. Every kind of drive: bench/random_loop_study.
 
 #include "random_rc.hpp"
 
@@ -42,7 +42,7 @@ TEST(RandomRcDevices, a_lossless_operator_breaks_the_loop_at_103_percent_of_the_
     ++found;
     EXPECT_EQ(above.counterexample->held_by.damping, 0);
     EXPECT_GT(find_radius(c, 1.03, above.counterexample->held_by), 1 + 1e-8) << c.describe();
-    // A quarter of a million samples: what grows more slowly is left to the long study.
+    // A quarter of a million samples: what grows more slowly is left to its eigenvalue.
     const RunResult outcome = run_counterexample(c, 1.03, *above.counterexample, 2.5e5);
     EXPECT_NE(outcome, RunResult::does_not_diverge) << c.describe();
     run_out += outcome == RunResult::diverges;

@@ -63,8 +63,12 @@ std::string describe_counterexample(const nlohmann::json& found, const MotionUni
   std::string text = held.empty()
                          ? "the free device itself diverges, with nothing in the operator's hand"
                          : held + " in the operator's hand makes the loop diverge";
-  text += fmt::format("\n(spectral radius {:.8g}, {}).", found["spectral_radius"].get<double>(),
-                      describe_frequency(found["frequency_hz"]));
+  const double radius = found["spectral_radius"];
+  constexpr double plain_growth = 1e-6;  // less is lost among the digits
+  const std::string growth = radius - 1 < plain_growth ? fmt::format("1 + {:.3g}", radius - 1)
+                                                       : fmt::format("{:.8g}", radius);
+  text +=
+      fmt::format("\n(spectral radius {}, {}).", growth, describe_frequency(found["frequency_hz"]));
   if (found.contains("simulation")) {
     const auto& run = found["simulation"];
     text +=
