@@ -1,4 +1,5 @@
 // Cost of a verdict and of a Z-width boundary, inside the process.
+#include "gyrator/passivity/disk_proof.hpp"
 #include "gyrator/passivity/verdict.hpp"
 
 #include <benchmark/benchmark.h>
@@ -36,6 +37,36 @@ void limit_of_a_new_device(benchmark::State& state) {
   }
 }
 
+// Proved at every frequency: 4 states, 6, and 6 with the sensor behind the transmission.
+void proof(benchmark::State& state, const Device& device, const Sampling& sampling) {
+  const DiscreteStateSpace law =
+      make_contact_law(VirtualWall{0.05, 1.5e-4}, sampling.period.to_double());
+  for (auto _ : state) {
+    PortModel model(device);
+    benchmark::DoNotOptimize(prove_disk(model, sampling, law).margin);
+  }
+}
+void proved_verdict_of_6_states(benchmark::State& state) {
+  const PassivityModel model{bench::make_compliant_display(), VirtualWall{0.05, 1.5e-4}, Sampling{},
+                             0};
+  for (auto _ : state) benchmark::DoNotOptimize(judge_passivity(model).passive);
+}
+Device make_sensed_at_motor() {
+  Device device = bench::make_compliant_display();
+  device.sensor = SensorLocation::motor;
+  return device;
+}
+const Sampling part_late{Rational(1, 1000), Rational(37, 100000)};
+
+BENCHMARK_CAPTURE(proof, 4_states, bench::make_rc_display(), Sampling{})
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(proof, 6_states, bench::make_compliant_display(), Sampling{})
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(proof, 6_states_fractional_delay, bench::make_compliant_display(), part_late)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(proof, 6_states_sensed_at_motor, make_sensed_at_motor(), Sampling{})
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(proved_verdict_of_6_states)->Unit(benchmark::kMillisecond);
 BENCHMARK(limit_of_a_new_device)->Unit(benchmark::kMillisecond);
 BENCHMARK(verdict_passive)->Unit(benchmark::kMillisecond);
 BENCHMARK(verdict_with_counterexample)->Unit(benchmark::kMillisecond);

@@ -184,7 +184,8 @@ TEST(DiskProof, meets_a_narrow_band_in_which_the_bare_device_supplies_energy) {
     device.drive.damping = {BackEmfDamping{.damping = 8 * b * share,
                                            .resistance_estimate = 1.5,
                                            .inductance_estimate = 0.5e-3,
-                                           .low_pass_hz = 50}};
+                                           .low_pass_hz = 50,
+                                           .high_pass_hz = {}}};
     PortModel model(device);
     const DiskProof proof = prove_disk(model, prompt, DiscreteStateSpace{{}, {}, {}, 0});
     if (share < 1) {
