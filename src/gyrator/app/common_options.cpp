@@ -92,7 +92,7 @@ void check_files(const std::vector<NamedFile>& inputs, const std::vector<NamedFi
   for (const auto& output : outputs) {
     if (output.path.empty()) continue;
     for (const auto& other : taken) {
-      if (!is_same_file(output.path, other.path)) continue;
+      if (other.path.empty() || !is_same_file(output.path, other.path)) continue;
       throw Error(ErrorCode::bad_input, output.name,
                   fmt::format("'{}': would overwrite {}: give it a name of its own", output.path,
                               other.name));
