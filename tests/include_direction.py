@@ -6,11 +6,12 @@ MAY_INCLUDE = {
     "circuits": {"core"},
     "controllers": {"core"},
     "mechanics": {"core", "circuits"},
+    "verification": {"core", "circuits", "controllers", "mechanics"},
     "cosim": {"core", "circuits", "controllers", "mechanics"},
     "passivity": {"core", "circuits", "controllers", "mechanics", "cosim"},
     "documents": {"core"},
     "plots": {"core", "documents"},
-    "studies": {"core", "circuits", "controllers", "mechanics", "cosim", "passivity", "documents", "plots"},
+    "studies": {"core", "circuits", "controllers", "mechanics", "verification", "cosim", "passivity", "documents", "plots"},
     "app": {"core", "documents", "plots", "studies"},
 }
 root = pathlib.Path(__file__).resolve().parent.parent / "src" / "gyrator"
