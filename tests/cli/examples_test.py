@@ -69,7 +69,7 @@ class EveryExampleTest(ProgramTest):
     def test_the_help_texts_examples_run(self):
         (self.folder / "examples").symlink_to(EXAMPLES)
         (self.folder / "model.json").write_bytes(RC_DISPLAY.read_bytes())
-        for command in MODEL_COMMANDS + ("tolerance", "report", "schematic", "schema"):
+        for command in MODEL_COMMANDS + ("tolerance", "report", "schematic", "schema", "verify-certificate"):
             help_text = self.run_program(command, "--help").out
             line = help_text.split("Example:\n", 1)[1].splitlines()[0].strip()
             self.assertTrue(line.startswith("gyrator "), line)

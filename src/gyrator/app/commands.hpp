@@ -8,6 +8,7 @@ namespace gyrator::app {
 // the work and sets the exit code (0 done, 1 the answer is no).
 void add_impedance_command(CLI::App& app, int& exit_code);
 void add_passivity_command(CLI::App& app, int& exit_code);
+void add_verify_certificate_command(CLI::App& app, int& exit_code);
 void add_zwidth_command(CLI::App& app, int& exit_code);
 void add_compare_command(CLI::App& app, int& exit_code);
 void add_simulate_command(CLI::App& app, int& exit_code);

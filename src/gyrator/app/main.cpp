@@ -33,6 +33,7 @@ int run(int argc, char** argv) {
       "Exit codes: 0 done, 1 the answer is no, 2 bad input, 3 numerical failure, 130 interrupted.");
   gyrator::app::add_impedance_command(app, exit_code);
   gyrator::app::add_passivity_command(app, exit_code);
+  gyrator::app::add_verify_certificate_command(app, exit_code);
   gyrator::app::add_zwidth_command(app, exit_code);
   gyrator::app::add_compare_command(app, exit_code);
   gyrator::app::add_simulate_command(app, exit_code);
