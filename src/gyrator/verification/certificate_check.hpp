@@ -66,7 +66,7 @@ struct CheckedLoop {
   double spectral_radius = 0;
 };
 
-/// The recorded radius holds the true disk and is at most this much larger.
+/// The recorded radius holds the true disk and is at most this much larger, and 2e-5 of the centre.
 inline constexpr double largest_reserve = 1.01;
 
 /// Everything that a passive loop claims: stable with nothing attached, the intervals cover
