@@ -30,7 +30,8 @@ std::string describe_loop(const CertificateVerification::Loop& loop) {
       "    margin at least {:.6g} between the points too, by {} enclosures of its own{}\n"
       "    (the certificate claims {:.6g})\n",
       loop.name, found.spectral_radius, found.intervals, disks, found.smallest_margin,
-      found.enclosures, found.to_zero ? ", down to zero frequency" : "; two decades below them too",
+      found.enclosures,
+      found.to_zero ? ", down to zero frequency" : "; and below them to the limit",
       loop.recorded_lowest_margin);
 }
 

@@ -209,7 +209,8 @@ class MarginProof {
     return std::min(low, prove((cut + high_end) / 2, (high_end - cut) / 2, depth + 1, found));
   }
 
-  /// From `top` towards zero: at zero itself where that can be enclosed, else two more decades.
+  /// From `top` towards zero: at zero itself where that can be enclosed, else up to two more
+  /// decades.
   double prove_below(double top, CheckedLoop& found) const {
     double lowest = std::numeric_limits<double>::infinity();
     double below = 0;
@@ -217,7 +218,10 @@ class MarginProof {
       below = enclosure_.lowest_below(edge).value_or(0);
       ++found.enclosures;
       if (below > 0 && below >= target_) break;
-      lowest = std::min(lowest, prove(0.75 * edge, 0.25 * edge, 0, found));
+      const double octave = prove(0.75 * edge, 0.25 * edge, 0, found);
+      if (!(octave > 0) && edge < top)
+        break;  // rounding's share grows as 1/w: the limit is reached
+      lowest = std::min(lowest, octave);
     }
     found.to_zero = below > 0;
     return found.to_zero ? std::min(lowest, below) : lowest;
