@@ -26,6 +26,30 @@ class ToleranceTest(ProgramTest):
                 self.assertIn("P: " + words, answer.out)
                 self.assertIn("mechanics.damping", answer.out)
 
+    def test_a_guarantee_is_a_proof_or_parts_that_are_not_passive(self):
+        for stiffness, code, words in ((1.59, 0, "guaranteed: PASSIVE with every choice of parts"),
+                                       (1.61, 1, "guaranteed: NOT PASSIVE")):
+            model = self.write_model(plant(stiffness=stiffness))
+            answer = self.run_program("tolerance", model, "--samples", 5, "--guarantee")
+            with self.subTest(stiffness=stiffness):
+                self.assertEqual((answer.code, answer.err), (code, ""), answer)
+                self.assertIn(words, answer.out)
+        guaranteed = self.ask("tolerance", model, "--samples", 5, "--guarantee")["guaranteed"]
+        self.assertEqual(guaranteed["verdict"], "not_passive")
+        self.assertAlmostEqual(guaranteed["at"]["mechanics.damping"], 0.8e-3, places=9)
+        self.assertLess(guaranteed["margin"], 0)
+        self.assertGreater(guaranteed["frequency_hz"], 0)
+
+    def test_a_guarantee_that_runs_out_of_its_budget_says_so(self):
+        # So near the limit of 1.6 that one box is too wide.
+        model = self.write_model(plant(stiffness=1.5999))
+        result = self.ask("tolerance", model, "--samples", 5, "--guarantee", "--guarantee-boxes", 1)
+        self.assertEqual(result["guaranteed"]["verdict"], "undecided")
+        self.assertIn("budget", result["guaranteed"]["reason"])
+        self.assertEqual(result["guaranteed"]["boxes"], 1)
+        refused = self.run_program("tolerance", model, "--guarantee-time", 0)
+        self.assertEqual(refused.code, 2, refused)
+
     def test_json_has_limits_yield_and_parts(self):
         model = self.write_model(plant(stiffness=2.0))
         result = self.ask("tolerance", model, "--samples", 200, "--seed", 3)

@@ -1,6 +1,7 @@
 #include "gyrator/core/quantity.hpp"
 #include "gyrator/documents/csv.hpp"
 #include "gyrator/studies/motion_terms.hpp"
+#include "gyrator/studies/tolerance_guarantee.hpp"
 #include "gyrator/studies/tolerance_study.hpp"
 
 #include <limits>
@@ -26,6 +27,9 @@ struct Options {
   long seed = 1;
   std::string distribution = "uniform";
   int threads = 0;
+  bool guarantee = false;
+  long guarantee_time = 600;  // [s]
+  long guarantee_boxes = 20000;
 };
 
 std::string describe_limit(const json& limit, const Unit& unit) {
@@ -125,6 +129,28 @@ std::string describe(const Model& model, const json& result) {
          describe_parts(result["parts"], units.stiffness, model.parts.tolerances);
 }
 
+std::string describe_guarantee(const Model& model, const json& guaranteed) {
+  const std::string verdict = guaranteed["verdict"];
+  const std::string size = fmt::format("{} boxes of parts, {} intervals of frequency",
+                                       guaranteed["boxes"].get<std::size_t>(),
+                                       guaranteed["intervals"].get<std::size_t>());
+  if (verdict == "passive")
+    return fmt::format("\nguaranteed: PASSIVE with every choice of parts ({})\n", size);
+  std::string text = verdict == "not_passive"
+                         ? fmt::format("\nguaranteed: NOT PASSIVE, margin {} at {:.4g} Hz with\n",
+                                       format_quantity(guaranteed["margin"],
+                                                       units_of(model.device.motion).damping),
+                                       guaranteed["frequency_hz"].get<double>())
+                         : fmt::format("\nguaranteed: UNDECIDED, {} ({}), at {:.4g} Hz near\n",
+                                       guaranteed["reason"].get<std::string>(), size,
+                                       guaranteed["frequency_hz"].get<double>());
+  for (const Tolerance& t : model.parts.tolerances) {
+    if (guaranteed["at"].contains(t.name))
+      text += fmt::format("  {} = {}\n", t.name, format_quantity(guaranteed["at"][t.name], t.unit));
+  }
+  return text;
+}
+
 // One row per sample: its parts, its limit, and the outcome by number.
 void write_samples(const std::string& path, const Model& model, const ToleranceStudy& study) {
   std::vector<std::string> names;
@@ -150,10 +176,21 @@ void run(const Options& options, int& exit_code) {
   request.threads = options.threads;
   request.quiet = options.common.quiet;
   const ToleranceStudy study = run_tolerance_study(model, request);
-  const json result = make_tolerance_result(model, request, study);
-  if (!options.common.csv.empty()) write_samples(options.common.csv, model, study);
+  json result = make_tolerance_result(model, request, study);
   exit_code = is_robust(study) ? 0 : 1;
-  deliver(options.common, result, describe(model, result));
+  std::string text = describe(model, result);
+  if (options.guarantee) {
+    const BoxProof proof =
+        prove_tolerances(model,
+                         {static_cast<std::size_t>(options.guarantee_boxes),
+                          static_cast<double>(options.guarantee_time), options.threads},
+                         options.common.quiet);
+    result["guaranteed"] = make_guarantee_json(model, proof);
+    text += describe_guarantee(model, result["guaranteed"]);
+    if (proof.outcome != BoxOutcome::passive) exit_code = 1;
+  }
+  if (!options.common.csv.empty()) write_samples(options.common.csv, model, study);
+  deliver(options.common, result, text);
 }
 
 }  // namespace
@@ -171,7 +208,8 @@ void add_tolerance_command(CLI::App& app, int& exit_code) {
       "gyrator tolerance examples/rc_display_tolerance.json --samples 200 --svg tolerance.svg\n\n"
       "Tolerances stand in the model file: \"5 ohm ± 5 %\", \"2200 uF +20 % -10 %\", "
       "\"0 K to 40 K\".\n"
-      "Exit code 0: passive in every sample and at the worst case found. 1: not.");
+      "Exit code 0: passive in every sample and at the worst case found, with --guarantee proved\n"
+      "with every choice of parts. 1: not.");
   command->add_option("--samples", options->samples, "Devices drawn at random")
       ->capture_default_str()
       ->check(whole_number_between(1, 1000000));
@@ -186,6 +224,19 @@ void add_tolerance_command(CLI::App& app, int& exit_code) {
   command->add_option("--threads", options->threads, "Cores to use; 0: all")
       ->capture_default_str()
       ->check(whole_number_between(0, 1024));
+  command->add_flag("--guarantee", options->guarantee,
+                    "Also prove it for every choice of parts within tolerance, or find one for "
+                    "which it does not hold");
+  command
+      ->add_option("--guarantee-time", options->guarantee_time,
+                   "Seconds after which a proof is given up as undecided")
+      ->capture_default_str()
+      ->check(whole_number_between(1, 1000000));
+  command
+      ->add_option("--guarantee-boxes", options->guarantee_boxes,
+                   "Boxes of parts after which a proof is given up as undecided")
+      ->capture_default_str()
+      ->check(whole_number_between(1, 100000000));
   command->callback([options, &exit_code] { run(*options, exit_code); });
 }
 
