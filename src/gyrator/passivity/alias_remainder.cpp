@@ -28,7 +28,7 @@ void AliasRemainder::add_alias(PortModel& model, int k, double theta) {
   const double w_s = sampling_frequency_;
   const PortTaylor port = expand_port(model, k * w_s, w_s / 2);
   if (!(port.damping.lowest_real() > 0)) {
-    if (undamped_at_ == 0) undamped_at_ = k * w_s;
+    last_undamped_ = k;
     left_out_ = infinity;
     return;
   }

@@ -21,8 +21,8 @@ class AliasRemainder {
   /// The part of radius() that is left out of the sums; not a part of the disk itself.
   double left_out() const { return left_out_; }
 
-  /// Lowest frequency at which an alias's damping could not be bounded away from zero; 0: none.
-  double undamped_at() const { return undamped_at_; }
+  /// The last of the aliases one by one whose damping could not be bounded away from zero; 0: none.
+  int last_undamped() const { return last_undamped_; }
 
  private:
   struct Quadratic {
@@ -35,7 +35,7 @@ class AliasRemainder {
   double sampling_frequency_;
   Quadratic center_, radius_;
   double left_out_ = 0;
-  double undamped_at_ = 0;
+  int last_undamped_ = 0;
 };
 
 }  // namespace gyrator

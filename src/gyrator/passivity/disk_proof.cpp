@@ -67,6 +67,11 @@ class Prover {
         lowest_(find_lowest_omega(model, law, period_)) {
     if (!idle_) {
       remainder_.emplace(model, period_, delay_, whole_, direct_, direct_ + bounded_beyond);
+      // Damping that varies too fast to be bounded over a whole sampling frequency is followed.
+      if (const int last = remainder_->last_undamped(); last > 0) {
+        direct_ = last;
+        remainder_.emplace(model, period_, delay_, whole_, direct_, direct_ + bounded_beyond);
+      }
       find_residue();
     }
   }
