@@ -99,8 +99,14 @@ class RemoteTest(ProgramTest):
 
     def test_two_devices_are_stable_up_to_the_delay_that_their_damping_pays_for(self):
         # b = 0.8 N.s/m, B = 0, velocity sensed: K t <= b.
-        self.assertEqual(self.couple("--delay", "7.9ms").code, 0)
-        self.assertEqual(self.couple("--delay", "8.1ms").code, 1)
+        self.assertEqual(self.couple("--delay", "7.9ms", "--sensing", "velocity").code, 0)
+        self.assertEqual(self.couple("--delay", "8.1ms", "--sensing", "velocity").code, 1)
+
+    def test_a_sampled_coupling_of_two_devices_has_a_largest_stiffness(self):
+        # By default the position is sensed: each half of the coupling is a wall of 2 K, 2 K T/2 <= b.
+        for stiffness, code in (("799 N/m", 0), ("801 N/m", 1)):
+            answer = self.run_program("twoport", P3, "--remote", P3, "--coupling-stiffness", stiffness)
+            self.assertEqual(answer.code, code, answer)
 
     def test_the_answer_names_both_devices_and_what_joins_them(self):
         answer = self.couple("--delay", "7ms", "--delay-back", "3ms", "--coupling-at", "slave", "--json")

@@ -224,18 +224,21 @@ void add_tolerance_command(CLI::App& app, int& exit_code) {
   command->add_option("--threads", options->threads, "Cores to use; 0: all")
       ->capture_default_str()
       ->check(whole_number_between(0, 1024));
-  command->add_flag("--guarantee", options->guarantee,
-                    "Also prove it for every choice of parts within tolerance, or find one for "
-                    "which it does not hold");
+  CLI::Option* guarantee =
+      command->add_flag("--guarantee", options->guarantee,
+                        "Also prove it for every choice of parts within tolerance, or find one for "
+                        "which it does not hold");
   command
       ->add_option("--guarantee-time", options->guarantee_time,
                    "Seconds after which a proof is given up as undecided")
       ->capture_default_str()
+      ->needs(guarantee)
       ->check(whole_number_between(1, 1000000));
   command
       ->add_option("--guarantee-boxes", options->guarantee_boxes,
                    "Boxes of parts after which a proof is given up as undecided")
       ->capture_default_str()
+      ->needs(guarantee)
       ->check(whole_number_between(1, 100000000));
   command->callback([options, &exit_code] { run(*options, exit_code); });
 }

@@ -22,7 +22,7 @@ using nlohmann::json;
 
 struct Options {
   CommonOptions common;
-  std::string renderings, sensing = "velocity", passivity_damping;
+  std::string renderings, sensing, passivity_damping;
   std::string remote, stiffness, damping = "0", delay, delay_back, coupling_at = "both_ends";
   std::string from, to;
   int points = 200;
@@ -93,9 +93,11 @@ bool is_second(const std::string& option, const std::string& text, const char* f
 
 json analyse(const Options& options, const Model& model) {
   const MotionUnits& units = units_of(model.device.motion);
-  const Sensing sensing = is_second("--sensing", options.sensing, "velocity", "position")
-                              ? Sensing::position
-                              : Sensing::velocity;
+  // A coupling that two computers close has to be stable by itself: there the position counts.
+  const bool by_position = options.sensing.empty()
+                               ? !options.remote.empty()
+                               : is_second("--sensing", options.sensing, "velocity", "position");
+  const Sensing sensing = by_position ? Sensing::position : Sensing::velocity;
   if (options.remote.empty()) {
     TwoPortRequest request;
     if (!options.renderings.empty()) request.renderings = split(options.renderings);
@@ -274,8 +276,8 @@ void add_two_port_command(CLI::App& app, int& exit_code) {
   command
       ->add_option("--sensing", options->sensing,
                    "What the computer knows of the motion: velocity as the published two-ports "
-                   "have it, or position, whose difference lags by half a period")
-      ->capture_default_str()
+                   "have it (the default), or position, whose difference lags by half a period "
+                   "(the default with --remote)")
       ->type_name("WHAT")
       ->check(not_empty());
   add_text("--passivity-damping", options->passivity_damping, "B",

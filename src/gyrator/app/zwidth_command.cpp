@@ -265,8 +265,8 @@ void add_zwidth_command(CLI::App& app, int&) {
     envelope->excludes(other);
   command
       ->add_option("--cutoff", options->cutoff,
-                   "Of --envelope: also over filtered-difference velocities with these cut-offs "
-                   "[Hz]; by default the model's own velocity")
+                   "Of --envelope: over filtered-difference velocities with these cut-offs [Hz], "
+                   "instead of the model's own velocity")
       ->type_name("LIST")
       ->needs(envelope)
       ->check(not_empty());

@@ -3,8 +3,10 @@
 #include "gyrator/passivity/tail_quadrature.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace gyrator {
 namespace {
@@ -12,6 +14,31 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double reserve = 2e-3;  // of the tail's integral
+
+struct AliasFit {
+  TaylorModel center, radius;
+};
+
+// M + S A/(2R) and |S A|/(2R) as parabolas through three points, with twice their bend as the
+// bound: for a smooth response whose Re Z falls too fast for its modes to bound it (as w^-4 behind
+// a lossless transmission). None where Re Z is not positive at one of them.
+std::optional<AliasFit> fit_alias(PortModel& model, double omega, double reach) {
+  std::array<Complex, 3> center;
+  std::array<double, 3> radius{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const PortResponse r = model.at(omega + (static_cast<double>(i) - 1) * reach);
+    const double damping = r.impedance.real();
+    if (!(damping > 0)) return std::nullopt;
+    const Complex swing = plain_product(r.sensor_path, r.actuation) / (2 * damping);
+    center[i] = r.blocked_motion + swing;
+    radius[i] = plain_abs(swing);
+  }
+  const auto fit = [&](const auto& q) {
+    return TaylorModel{q[1], (q[2] - q[0]) / (2 * reach),
+                       plain_abs(Complex(q[2] + q[0] - 2.0 * q[1])) / (reach * reach), reach};
+  };
+  return AliasFit{fit(center), fit(radius)};
+}
 
 }  // namespace
 
@@ -27,14 +54,22 @@ AliasRemainder::AliasRemainder(PortModel& model, double period, double delay, bo
 void AliasRemainder::add_alias(PortModel& model, int k, double theta) {
   const double w_s = sampling_frequency_;
   const PortTaylor port = expand_port(model, k * w_s, w_s / 2);
-  if (!(port.damping.lowest_real() > 0)) {
+  TaylorModel center;
+  TaylorModel radius;
+  if (port.damping.lowest_real() > 0) {
+    const TaylorModel reach = port.path * (Complex(0.5) * reciprocal(port.damping));
+    center = port.blocked + reach;
+    radius = majorant(reach);
+  } else {
     last_undamped_ = k;
-    left_out_ = infinity;
-    return;
+    const auto swing = fit_alias(model, k * w_s, w_s / 2);
+    if (!swing) {
+      left_out_ = infinity;
+      return;
+    }
+    center = swing->center;
+    radius = swing->radius;
   }
-  const TaylorModel reach = port.path * (Complex(0.5) * reciprocal(port.damping));
-  const TaylorModel center = port.blocked + reach;
-  const TaylorModel radius = majorant(reach);
   // 1/(k + y)^2 = (1 - 2 y/k + 3 y^2/k^2 - …)/k^2, with y = x above and -x below; what follows is
   // at most 4 |y/k|^3/(1 - |y/k|)^5 of it.
   const double square = 1 / (w_s * w_s * k * k);
@@ -102,6 +137,8 @@ void AliasRemainder::add_tail(PortModel& model, double from, bool whole, double 
   left_out_ += 2 * reserve * radius;
   if (whole) {
     center_.a0 += 2 * center.real();
+    // The odd part of the sum, Im g of the two sides: at most this at x = 1/2.
+    left_out_ += std::abs(reach_at(from).center.imag()) / (from * from);
     left_out_ += 2 * reserve * size;
   } else {
     // By parts: partial sums of e^(-jk theta) are at most 1/|sin(theta/2)|.

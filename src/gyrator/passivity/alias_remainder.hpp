@@ -21,7 +21,8 @@ class AliasRemainder {
   /// The part of radius() that is left out of the sums; not a part of the disk itself.
   double left_out() const { return left_out_; }
 
-  /// The last of the aliases one by one whose damping could not be bounded away from zero; 0: none.
+  /// The last of the aliases one by one whose damping its modes could not bound away from zero,
+  /// so that three values stand for it; 0: none.
   int last_undamped() const { return last_undamped_; }
 
  private:

@@ -17,7 +17,7 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-constexpr int fewest_aliases = 16;
+constexpr int fewest_aliases = 22;
 constexpr int fewest_aliases_oscillating = 200;
 constexpr int most_aliases = 20000;
 

@@ -185,8 +185,21 @@ void BoxAliases::add_direct(AliasSums& sums, int k, const Band& band) const {
   sums.radius = sums.radius + weight * g.size;
 }
 
+AliasSums AliasSums::over(const Band& within) const {
+  AliasSums moved = *this;
+  moved.band = within;
+  if (!(band.reach > 0)) return moved;
+  const double shift = (within.omega - band.omega) / band.reach;
+  const double ratio = within.reach / band.reach;
+  for (BoxModel* sum : {&moved.center, &moved.radius}) {
+    sum->value += shift * sum->slopes[0];
+    sum->slopes[0] *= ratio;
+  }
+  return moved;
+}
+
 AliasSums BoxAliases::sum(const Band& band) const {
-  AliasSums sums{expand(center_, band), expand(radius_, band)};
+  AliasSums sums{expand(center_, band), expand(radius_, band), band};
   sums.radius.remainder += left_out_;
   for (int k = 1; k <= direct_; ++k) {
     add_direct(sums, k, band);

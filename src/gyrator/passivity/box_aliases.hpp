@@ -11,6 +11,11 @@ namespace gyrator {
 ///   sum_k e^(-jk w_s t_d) (M + S A/(2R))(j w_k)/w_k^2   and   sum_k |S A|/(2R)/w_k^2,  k != 0
 struct AliasSums {
   BoxModel center, radius;
+  Band band;  ///< whose place d_0 is
+
+  /// The same for a band within that one, whose own place d_0 then is:
+  ///   d_0 = (omega' - omega)/reach + (reach'/reach) d_0'                           (box-11)
+  AliasSums over(const Band& within) const;
 };
 
 /// The aliases over one box of parts: up to `direct` on either side for each band asked for, beyond

@@ -18,8 +18,9 @@ bool has_limit_at_rest(const BoxPortModel& port, const SampledSide& side) {
   return port.expand_divided({0, 0}).blocked.c0.highest_size() <= at_rest * seen;
 }
 
-BoxMargin bound_margin(const BoxPortModel& port, const SampledSide& side, const AliasSums& aliases,
+BoxMargin bound_margin(const BoxPortModel& port, const SampledSide& side, const AliasSums& about,
                        const Band& band) {
+  const AliasSums aliases = about.over(band);
   const DividedPort base = port.expand_divided(band);
   DividedModel law = expand_law_divided(side.law, side.period, band);
   law.c0 = constant_box(side.steady_law);
@@ -44,7 +45,9 @@ BoxMargin bound_margin(const BoxPortModel& port, const SampledSide& side, const 
   result.margin = real_part(damping + drive - pole - spread);
   if (band.low() > 0) {
     const BoxModel direct = real_part(damping + conj(W) * (f.f * reciprocal(s)) - spread);
-    if (direct.lowest_real() > result.margin.lowest_real()) result.margin = direct;
+    // Not the other way round: where the divided form knows nothing it is not a number.
+    const bool divided_is_better = result.margin.lowest_real() >= direct.lowest_real();
+    if (!divided_is_better && std::isfinite(direct.lowest_real())) result.margin = direct;
   }
   result.size = plain_abs(damping.value) + plain_abs(W.value) * plain_abs(f.q1.value) +
                 plain_abs(f.c0.value) * plain_abs(N.q2.value + E.value) + plain_abs(spread.value);

@@ -21,6 +21,8 @@ constexpr double narrowest = 1e-10;     // interval, of its frequency
 constexpr double below_slowest = 1e-4;  // where the limit at zero frequency is reached
 constexpr int fewest_direct = 12;
 constexpr int bounded_beyond = 300;
+constexpr int most_direct = 20000;
+constexpr int most_followed = 64;  // aliases for that reason alone
 constexpr int most_evaluations = 400000;
 
 bool is_zero(const DiscreteStateSpace& law) {
@@ -34,7 +36,8 @@ int count_direct_aliases(const PortModel& model, double sampling_frequency) {
     if (is_resonance(pole) && std::abs(pole.real()) < 4 * sampling_frequency)
       fastest = std::max(fastest, std::abs(pole));
   }
-  return std::clamp(static_cast<int>(2 * fastest / sampling_frequency) + 1, fewest_direct, 20000);
+  const double beyond = std::min(2 * fastest / sampling_frequency, 1.0 * most_direct);
+  return std::max(static_cast<int>(beyond) + 1, fewest_direct);
 }
 
 // Below this nothing varies any more: far below every pole of device and law.
@@ -68,7 +71,7 @@ class Prover {
     if (!idle_) {
       remainder_.emplace(model, period_, delay_, whole_, direct_, direct_ + bounded_beyond);
       // Damping that varies too fast to be bounded over a whole sampling frequency is followed.
-      if (const int last = remainder_->last_undamped(); last > 0) {
+      if (const int last = remainder_->last_undamped(); last > 0 && last <= most_followed) {
         direct_ = last;
         remainder_.emplace(model, period_, delay_, whole_, direct_, direct_ + bounded_beyond);
       }
@@ -82,6 +85,11 @@ class Prover {
     proof.bounded_aliases = direct_ + bounded_beyond;
     proof.lowest_omega = lowest_;
     proof.outcome = ProofOutcome::proved;
+    if (direct_ > most_direct) {  // a resonance too far out to be summed up to
+      proof.outcome = ProofOutcome::undecided;
+      proof.omega = most_direct * sampling_frequency_;
+      return proof;
+    }
     cover(proof, lowest_, pi / period_);
     if (proof.outcome == ProofOutcome::proved && !idle_) check_limit(proof);
     if (proof.outcome == ProofOutcome::proved) check_damping_above(proof);
@@ -196,14 +204,18 @@ class Prover {
     const TaylorModel D = damping + drive - pole - spread;
 
     Bound b;
-    b.size = plain_abs(damping.value) + plain_abs(W.value) * plain_abs(L.value) +
+    // Re Z comes from the modes with ten digits (ModalResponse); f has a few roundings of its own,
+    // which the division by w leaves as they are.
+    constexpr double digits = 8 * std::numeric_limits<double>::epsilon() / rounding;
+    b.size = 10 * plain_abs(damping.value) + plain_abs(W.value) * plain_abs(L.value) +
              std::abs(residue_) * plain_abs(E.value) + plain_abs(spread.value) +
-             std::abs(residue_) * 1e-5 / omega;
-    // dD/dr_a = -(2 R |H|^2 r_a + |L| |H|)
+             plain_abs(W.value) * plain_abs(f.value) * digits / omega;
+    // What D changes by with c_a and r_a: |dD/dr_a| = 2 R |H|^2 r_a + |L| |H|, |dD/dc_a| at most
+    // 2 R |H| |W| + |L| |H|.
     const double left_out = idle_ ? 0 : remainder_->left_out();
     b.slack = plain_abs(law.value) * plain_abs(held.value) * left_out *
-              (plain_abs(f.value) +
-               2 * plain_abs(base.damping.value) * omega * omega * plain_abs(G.value));
+              (2 * plain_abs(f.value) + 2 * plain_abs(base.damping.value) * omega *
+                                            (omega * plain_abs(G.value) + plain_abs(W.value)));
     b.damping = base.damping;
     ProvedInterval& interval = b.interval;
     interval.omega = omega;
@@ -244,12 +256,15 @@ class Prover {
       // Over an interval magnitudes are overestimated, in its middle too.
       const Bound middle_alone =
           b.interval.margin <= 0 || b.damping.value.real() <= 0 ? bound(omega, 0) : b;
-      proof.active = middle_alone.damping.value.real() <= 0;
+      // Rounding of Re Z comes from the size of Z.
+      const double noise = 1e-12 * omega * model_.blocked().inertia;
+      const double damping = middle_alone.damping.value.real();
+      proof.active = damping <= -noise;
       if (proof.active ||
           middle_alone.interval.margin + middle_alone.slack < -rounding * middle_alone.size) {
         proof.outcome = ProofOutcome::violated;
       } else if (reach < narrowest * omega || proof.evaluations > most_evaluations ||
-                 std::isinf(b.interval.radius)) {
+                 std::isinf(b.interval.radius) || damping <= 0) {
         proof.outcome = ProofOutcome::undecided;
       }
       if (proof.outcome != ProofOutcome::proved) {
@@ -275,10 +290,11 @@ class Prover {
     proof.margin = at_end.interval.margin - change;
   }
 
-  // Re Z > 0 from Nyquist up: the bounded aliases reach to the last of them.
+  // Re Z > 0 from Nyquist up, as far as the tail's power law.
   void check_damping_above(DiskProof& proof) {
     std::vector<std::pair<double, double>> open{
-        {pi / period_, (direct_ + bounded_beyond + 0.5) * sampling_frequency_}};
+        {pi / period_,
+         find_tail_end((direct_ + bounded_beyond + 0.5) * sampling_frequency_, model_.poles())}};
     while (!open.empty()) {
       const auto [low, high] = open.back();
       open.pop_back();
@@ -286,8 +302,10 @@ class Prover {
       const double reach = (high - low) / 2;
       const TaylorModel damping = expand_port(model_, omega, reach).damping;
       ++proof.evaluations;
-      if (damping.lowest_real() > 0) continue;
-      if (damping.value.real() <= 0) {
+      // Rounding of Re Z comes from the size of Z.
+      const double noise = 1e-12 * omega * model_.blocked().inertia;
+      if (damping.lowest_real() > -noise) continue;
+      if (damping.value.real() <= -noise) {
         proof.outcome = ProofOutcome::violated;
       } else if (reach < narrowest * omega || proof.evaluations > most_evaluations) {
         proof.outcome = ProofOutcome::undecided;

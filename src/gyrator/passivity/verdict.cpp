@@ -221,7 +221,8 @@ class Judge {
       terms.push_back(limits_.disk().collect(left.omega));
     }
     // As much more as the proof wants between the points.
-    for (const double more : {0.0, 1e-6, 1e-5, 1e-4, 1e-3}) {
+    if (mends(*extra)) return extra;
+    for (double more = 1e-6; more < 1e-2; more *= 1.5) {
       if (mends(*extra * (1 + more))) return *extra * (1 + more);
     }
     return std::nullopt;
@@ -229,6 +230,7 @@ class Judge {
 
   // Whether the loop is passive with a damper at the port.
   bool mends(double extra_damping) const {
+    if (!(extra_damping > 0)) return false;
     Device damped = model_.device;
     damped.drive.damping.emplace_back(EddyCurrentBrake{extra_damping, true});
     PortModel port(damped);

@@ -102,6 +102,11 @@ json refutation_json(const Model& model, const Verdict& verdict, const JudgedLoo
   const auto law =
       loop.law.response(std::polar(1.0, worst.omega * model.sampling.period.to_double()));
   const double margin = worst.damping_margin(law);
+  if (loop.proof.outcome == ProofOutcome::proved) {
+    throw Error(ErrorCode::numerical, model.file,
+                "no certificate: the loop is unstable with the port held still, which the format "
+                "has no form for");
+  }
   if (!(margin <= 0) || !std::isfinite(worst.radius)) {
     throw Error(ErrorCode::numerical, model.file,
                 fmt::format("no certificate: at {:.4g} Hz the margin could not be decided",

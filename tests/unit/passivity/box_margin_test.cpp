@@ -150,5 +150,43 @@ TEST(BoxMargin, IsNowhereAboveTheExactDisksInTheBox) {
   }
 }
 
+// Aliases summed over a band are used for the bands that it is divided into.
+TEST(BoxMargin, IsABoundWithTheAliasesOfAWiderBandToo) {
+  for (BoxExample& example : list_box_examples()) {
+    const BoxDescriptorMaker maker(example.maker, example.parts);
+    const double period = example.sampling.period.to_double();
+    const DiscreteStateSpace law = example.law();
+    const SampledSide side{law, period, example.sampling.delay.to_double(),
+                           law.response(1.0).real()};
+    BoxExample part = example;
+    part.parts = shrink(example.parts, 0.01);
+    const BoxPortModel model(maker.make(part.parts));
+    const BoxAliases aliases(model, period, side.delay, 8, tail_end);
+    RandomStream random(3, 0);
+    const Band whole{std::numbers::pi / period * 0.8, std::numbers::pi / period * 0.1};
+    const AliasSums sums = aliases.sum(whole);
+    for (const double shift : {-0.75, 0.0, 0.75}) {
+      const Band band{whole.omega + shift * whole.reach, whole.reach / 4};
+      const AliasSums moved = sums.over(band);
+      const BoxMargin bound = bound_margin(model, side, sums, band);
+      for (int i = 0; i < 10; ++i) {
+        const std::vector<double> places = part.draw_places(random);
+        const double place = 2 * random.uniform() - 1;
+        const Complex here = first_order(moved.center, place, places);
+        EXPECT_NEAR(std::abs(here - first_order(sums.center, shift + place / 4, places)), 0,
+                    1e-12 * std::abs(here))
+            << example.name;
+        const double omega = band.omega + place * band.reach;
+        AliasedDisk disk(part.maker(part.values_at(places)), example.sampling);
+        const double known =
+            disk.at(omega).damping_margin(law.response(std::polar(1.0, omega * period)));
+        EXPECT_GE(known, first_order(bound.margin, place, places).real() - bound.margin.remainder -
+                             1e-7 * bound.size)
+            << example.name << " at " << omega;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace gyrator

@@ -56,7 +56,10 @@ TEST(ExtraDamping, is_the_missing_margin_itself_for_a_constant_damping) {
     const double missing = wall.stiffness * 0.5e-3 + std::abs(wall.damping) - 0.8;
     ASSERT_GT(missing, 0);
     ASSERT_TRUE(verdict.extra_damping.has_value());
-    EXPECT_NEAR(*verdict.extra_damping, missing, 1e-5 * missing);
+    // Never less, and as much more as the proof between the points cannot tell: some 1e-6 of D's
+    // terms, which are of the size of what is missing and what is there.
+    EXPECT_GE(*verdict.extra_damping, missing * (1 - 1e-9));
+    EXPECT_LE(*verdict.extra_damping, missing * (1 + 1e-5) + 1e-5 * (missing + 0.8));
   }
 }
 

@@ -35,10 +35,11 @@ TEST(FrequencyGrid, ascends_from_far_below_the_slowest_pole_up_to_nyquist_itself
   EXPECT_LE(grid.back(), nyquist);
 }
 
-TEST(FrequencyGrid, has_no_gap_wider_than_a_thirtieth_of_a_decade) {
+TEST(FrequencyGrid, has_no_gap_wider_than_a_thirtieth_of_a_decade_but_where_all_is_flat) {
   const auto grid = make_judging_grid(make_poles({Complex(-2, 0)}), period);
   for (std::size_t i = 1; i < grid.size(); ++i) {
-    EXPECT_LE(grid[i] / grid[i - 1], std::pow(10.0, 1.0 / 30) * (1 + 1e-12)) << grid[i];
+    const double widest = grid[i] > 0.2 * (1 + 1e-9) ? 1.0 / 30 : 1.0 / 8;
+    EXPECT_LE(grid[i] / grid[i - 1], std::pow(10.0, widest) * (1 + 1e-12)) << grid[i];
   }
 }
 
