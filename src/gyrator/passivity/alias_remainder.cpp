@@ -13,7 +13,7 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double reserve = 2e-3;  // of the tail's integral
+constexpr double reserve = 2e-4;  // of the tail's integral
 
 struct AliasFit {
   TaylorModel center, radius;
@@ -50,7 +50,7 @@ AliasRemainder::AliasRemainder(PortModel& model, double period, double delay, bo
   add_tail(model, (bounded + 0.5) * sampling_frequency_, whole, theta);
 }
 
-// The k-th alias above and the k-th below, |w| = w_s (k ± x), to second order in x.
+// The k-th alias above and the k-th below, |w| = w_s (k ± x), to third order in x.
 void AliasRemainder::add_alias(PortModel& model, int k, double theta) {
   const double w_s = sampling_frequency_;
   const PortTaylor port = expand_port(model, k * w_s, w_s / 2);
@@ -70,17 +70,18 @@ void AliasRemainder::add_alias(PortModel& model, int k, double theta) {
     center = swing->center;
     radius = swing->radius;
   }
-  // 1/(k + y)^2 = (1 - 2 y/k + 3 y^2/k^2 - …)/k^2, with y = x above and -x below; what follows is
-  // at most 4 |y/k|^3/(1 - |y/k|)^5 of it.
+  // (v + s y + …)/(k + y)^2 with y = x above and -x below, 1/(k + y)^2 = (1 - 2 y/k + 3 y^2/k^2 -
+  // 4 y^3/k^3 + …)/k^2; what follows is at most 5 |y/k|^4/(1 - |y/k|)^6 of it.
   const double square = 1 / (w_s * w_s * k * k);
-  const double beyond = 4 * std::pow(0.5 / k, 3) / std::pow(1 - 0.5 / k, 5);
-  const auto add = [&](Quadratic& sum, Complex value, Complex slope, Complex turn, double sign) {
-    const Complex s = sign * slope * w_s;  // over x
-    sum.a0 += turn * square * value;
-    sum.a1 += turn * square * (s - sign * 2.0 / k * value);
-    sum.a2 += turn * square * (3.0 / k / k * value - sign * 2.0 / k * s);
-    // What the product of both expansions has beyond the second order, |x| <= 1/2.
-    left_out_ += square * (plain_abs(value) * beyond + plain_abs(s) * 0.5 * 3 * 0.25 / k / k * 1.2);
+  const double y = 0.5 / k;
+  const double beyond = 5 * y * y * y * y / std::pow(1 - y, 6);
+  const auto add = [&](Cubic& sum, Complex v, Complex slope, Complex turn, double sign) {
+    const Complex s = slope * w_s;  // over y
+    const std::array<Complex, 4> terms{v, s - 2.0 / k * v, 3.0 / k / k * v - 2.0 / k * s,
+                                       -4.0 / k / k / k * v + 3.0 / k / k * s};
+    double power = 1;
+    for (std::size_t i = 0; i < 4; ++i, power *= sign) sum[i] += power * turn * square * terms[i];
+    left_out_ += square * (plain_abs(v) * beyond + plain_abs(s) * 0.5 * 4 * y * y * y * 1.2);
   };
   const Complex turn = std::polar(1.0, -k * theta);
   add(center_, center.value, center.slope, turn, 1);
@@ -133,10 +134,10 @@ void AliasRemainder::add_tail(PortModel& model, double from, bool whole, double 
     radius += rest;
     left_out_ += 2 * rest;
   }
-  radius_.a0 += 2 * radius;
+  radius_[0] += 2 * radius;
   left_out_ += 2 * reserve * radius;
   if (whole) {
-    center_.a0 += 2 * center.real();
+    center_[0] += 2 * center.real();
     // The odd part of the sum, Im g of the two sides: at most this at x = 1/2.
     left_out_ += std::abs(reach_at(from).center.imag()) / (from * from);
     left_out_ += 2 * reserve * size;
@@ -146,10 +147,14 @@ void AliasRemainder::add_tail(PortModel& model, double from, bool whole, double 
   }
 }
 
-TaylorModel AliasRemainder::expand(const Quadratic& q, double omega, double reach) const {
+TaylorModel AliasRemainder::expand(const Cubic& q, double omega, double reach) const {
   const double x = omega / sampling_frequency_;
-  return {q.a0 + x * (q.a1 + x * q.a2), (q.a1 + 2 * x * q.a2) / sampling_frequency_,
-          plain_abs(q.a2) / (sampling_frequency_ * sampling_frequency_), reach};
+  const double h = reach / sampling_frequency_;
+  return {q[0] + x * (q[1] + x * (q[2] + x * q[3])),
+          (q[1] + x * (2.0 * q[2] + 3 * x * q[3])) / sampling_frequency_,
+          (plain_abs(q[2] + 3 * x * q[3]) + plain_abs(q[3]) * h) /
+              (sampling_frequency_ * sampling_frequency_),
+          reach};
 }
 
 TaylorModel AliasRemainder::center(double omega, double reach) const {

@@ -2,11 +2,13 @@
 
 #include "gyrator/passivity/port_taylor.hpp"
 
+#include <array>
+
 namespace gyrator {
 
 /// The aliases beyond the n-th on either side, over the whole range of base frequencies at once:
 ///   sum_{|k|>n} e^(-jk w_s t_d) (M + S A/(2R))(j w_k)/w_k^2   and   sum_{|k|>n} |S A|/(2R)/w_k^2
-/// as quadratics in x = w/w_s, 0 <= x <= 1/2, with a bound on what is left out. (remainder-1)
+/// as cubics in x = w/w_s, 0 <= x <= 1/2, with a bound on what is left out. (remainder-1)
 class AliasRemainder {
  public:
   /// Beyond `direct` on either side; one by one up to `bounded`. delay [s]; `whole`: of periods.
@@ -26,15 +28,13 @@ class AliasRemainder {
   int last_undamped() const { return last_undamped_; }
 
  private:
-  struct Quadratic {
-    std::complex<double> a0, a1, a2;
-  };
-  TaylorModel expand(const Quadratic& q, double omega, double reach) const;
+  using Cubic = std::array<std::complex<double>, 4>;  // coefficients of 1, x, x^2, x^3
+  TaylorModel expand(const Cubic& q, double omega, double reach) const;
   void add_alias(PortModel& model, int k, double theta);
   void add_tail(PortModel& model, double from, bool whole, double theta);
 
   double sampling_frequency_;
-  Quadratic center_, radius_;
+  Cubic center_{}, radius_{};
   double left_out_ = 0;
   int last_undamped_ = 0;
 };

@@ -53,8 +53,8 @@ struct DiskProof {
 /// before anything is bounded.
 ///
 /// Aliases up to `aliases` follow the frequency in each interval; those up to `bounded_aliases` are
-/// quadratics in it over the whole base range, whose remainders are added to the radius; beyond,
-/// the tail's integral with 0.2 % of itself as a reserve (its oscillating centre under a
+/// cubics in it over the whole base range, whose remainders are added to the radius; beyond,
+/// the tail's integral with 0.02 % of itself as a reserve (its oscillating centre under a
 /// fractional delay: all of it). Rounding is allowed for with 10^-11 of the terms' sizes.
 DiskProof prove_disk(PortModel& model, const Sampling& sampling, const DiscreteStateSpace& law);
 
