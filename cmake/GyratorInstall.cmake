@@ -1,7 +1,6 @@
 # cmake --install: program, libraries, headers, schema, and the package that find_package(gyrator) reads.
 include(CMakePackageConfigHelpers)
 
-set(gyrator_rooms core circuits mechanics controllers verification cosim passivity documents plots studies)
 list(TRANSFORM gyrator_rooms PREPEND gyrator_ OUTPUT_VARIABLE gyrator_targets)
 
 install(TARGETS ${gyrator_targets} gyrator

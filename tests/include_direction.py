@@ -9,9 +9,11 @@ MAY_INCLUDE = {
     "verification": {"core", "circuits", "controllers", "mechanics"},
     "cosim": {"core", "circuits", "controllers", "mechanics"},
     "passivity": {"core", "circuits", "controllers", "mechanics", "cosim"},
+    "two_port": {"core", "circuits", "controllers", "mechanics", "cosim", "passivity"},
+    "robustness": {"core", "circuits", "controllers", "mechanics", "cosim", "passivity"},
     "documents": {"core"},
     "plots": {"core", "documents"},
-    "studies": {"core", "circuits", "controllers", "mechanics", "verification", "cosim", "passivity", "documents", "plots"},
+    "studies": {"core", "circuits", "controllers", "mechanics", "verification", "cosim", "passivity", "two_port", "robustness", "documents", "plots"},
     "app": {"core", "documents", "plots", "studies"},
 }
 root = pathlib.Path(__file__).resolve().parent.parent / "src" / "gyrator"

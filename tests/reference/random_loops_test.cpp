@@ -54,6 +54,31 @@ TEST_P(RandomLoopsOfKind, are_broken_by_an_operator_above_their_limit_and_by_non
   }
 }
 
+// Dips of the law's own between the grid's frequencies, and limits too close to call there.
+TEST(RandomLoop, has_a_proved_limit_below_what_the_grid_alone_shows) {
+  struct Known {
+    std::string kind;
+    std::uint64_t seed;
+    double least_overestimate;  // of the limit on the grid
+  };
+  for (const Known& known :
+       {Known{"wave line", 1001024, 1.05}, Known{"wave line", 1000679, 1.01},
+        Known{"wave line", 1001025, 1.01}, Known{"rc", 1000091, 1}, Known{"voltage", 1000058, 1}}) {
+    const auto kinds = make_loop_kinds();
+    const auto kind = std::find_if(kinds.begin(), kinds.end(),
+                                   [&](const DampingKind& k) { return k.name == known.kind; });
+    ASSERT_NE(kind, kinds.end()) << known.kind;
+    const auto loop = draw_loop(*kind, known.seed);
+    ASSERT_TRUE(loop) << known.seed;
+    StiffnessLimits limits(loop->device, loop->sampling, loop->controller, FreeOperator{});
+    EXPECT_GE(limits.find_on_grid(loop->virtual_damping).stiffness,
+              known.least_overestimate * loop->limit)
+        << loop->describe();
+    EXPECT_TRUE(judge_passivity(loop->model(0.99), false).passive) << loop->describe();
+    EXPECT_FALSE(judge_passivity(loop->model(1.01), false).passive) << loop->describe();
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Kinds, RandomLoopsOfKind,
                          ::testing::Range<std::size_t>(0, make_loop_kinds().size()),
                          [](const auto& kind) {

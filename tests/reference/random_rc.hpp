@@ -15,7 +15,7 @@
 
 #include <fmt/core.h>
 
-#include "../unit/passivity/closed_forms.hpp"
+#include "../support/passivity_closed_forms.hpp"
 
 namespace gyrator::reference {
 

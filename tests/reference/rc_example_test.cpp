@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "../unit/passivity/mentions.hpp"
+#include "../support/mentions.hpp"
 
 namespace gyrator {
 namespace {

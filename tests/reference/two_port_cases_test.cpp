@@ -1,5 +1,5 @@
-#include "gyrator/passivity/rendering_port.hpp"
-#include "gyrator/passivity/stiffest_coupling.hpp"
+#include "gyrator/two_port/rendering_port.hpp"
+#include "gyrator/two_port/stiffest_coupling.hpp"
 
 #include <algorithm>
 #include <cmath>

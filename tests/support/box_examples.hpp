@@ -3,7 +3,7 @@
 #include "gyrator/controllers/controller.hpp"
 #include "gyrator/core/random_stream.hpp"
 #include "gyrator/passivity/aliased_disk.hpp"
-#include "gyrator/passivity/box_proof.hpp"
+#include "gyrator/robustness/box_proof.hpp"
 #include "gyrator/passivity/disk_proof.hpp"
 #include "gyrator/passivity/frequency_grid.hpp"
 

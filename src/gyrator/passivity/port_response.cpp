@@ -95,7 +95,7 @@ PortModel::PortModel(const Device& device)
       modes_(ModalResponse::find(blocked_.system)),
       blocked_feedthrough_(sees_no_command() ? 0 : blocked_.system.D(1, 0)) {
   const Eigen::VectorXcd free = poles_of(device, FreeOperator{});
-  const Eigen::VectorXcd clamped = poles_of(device, ClampedOperator{});
+  const Eigen::VectorXcd clamped = compute_poles(blocked_.system.A);
   poles_.resize(free.size() + clamped.size());
   poles_ << free, clamped;
 }

@@ -2,7 +2,7 @@
 
 #include "gyrator/controllers/virtual_wall.hpp"
 #include "gyrator/cosim/sampled_plant.hpp"
-#include "gyrator/passivity/frequency_grid.hpp"
+#include "gyrator/passivity/disk_proof.hpp"
 #include "gyrator/passivity/held_limit.hpp"
 #include "gyrator/passivity/virtual_damping.hpp"
 
@@ -79,7 +79,8 @@ StiffnessLimits::StiffnessLimits(const Device& device, const Sampling& sampling,
     : StiffnessLimits(device, sampling, VirtualWall{.velocity = estimator}, held_by) {}
 
 StiffnessLimits::StiffnessLimits(const Device& device, const Sampling& sampling,
-                                 const Controller& controller, const Operator& held_by)
+                                 const Controller& controller, const Operator& held_by,
+                                 GridDensity density)
     : device_(device),
       sampling_(sampling),
       period_(sampling.period.to_double()),
@@ -88,19 +89,20 @@ StiffnessLimits::StiffnessLimits(const Device& device, const Sampling& sampling,
           std::holds_alternative<VirtualWall>(controller.law) ? controller : Controller{}, period_),
       operator_(held_by),
       disk_(device, sampling),
-      grid_(make_judging_grid(disk_.model().poles(), period_)) {
-  for (const double omega : grid_) {
-    damping_.push_back(disk_.model().at(omega).impedance.real());
-    laws_.push_back(family_.prepare(omega));
-    position_laws_.push_back(position_family_.prepare(omega));
-  }
-}
+      grid_(make_judging_grid(disk_.model().poles(), period_, density)) {}
 
 const std::vector<DiskPoint>& StiffnessLimits::disks() {
   if (disks_.empty()) {
     for (const double omega : grid_) disks_.push_back(disk_.at(omega));
   }
   return disks_;
+}
+
+const std::vector<LawFamily::Point>& StiffnessLimits::laws() {
+  if (laws_.empty()) {
+    for (const double omega : grid_) laws_.push_back(family_.prepare(omega));
+  }
+  return laws_;
 }
 
 const SampledPlant& StiffnessLimits::sampled() {
@@ -126,7 +128,7 @@ StiffnessLimit StiffnessLimits::find(Criterion criterion, double virtual_damping
 }
 
 StiffnessLimit StiffnessLimits::find_spring_damper(double virtual_damping) {
-  const double b = damping_.front();
+  const double b = disk_.model().at(grid_.front()).impedance.real();
   const double spare = b - std::abs(virtual_damping);
   const double nyquist_hz = 0.5 / period_;
   if (spare < 0 || b <= 0) return {0, false, nyquist_hz};
@@ -150,10 +152,14 @@ StiffnessLimit StiffnessLimits::find_frequency_dependent(double virtual_damping)
     return first_root(available, compute_virtual_damping(omega, period_, late), 0,
                       damping + std::abs(virtual_damping));
   };
-  std::vector<double> values;
-  for (std::size_t i = 0; i < grid_.size(); ++i) {
-    values.push_back(limit(position_laws_[i], damping_[i]));
+  if (position_terms_.empty()) {
+    for (const double omega : grid_) {
+      position_terms_.push_back(
+          {position_family_.prepare(omega), disk_.model().at(omega).impedance.real()});
+    }
   }
+  std::vector<double> values;
+  for (const auto& [law, damping] : position_terms_) values.push_back(limit(law, damping));
   return find_lowest(
       [&](double omega) {
         return limit(position_family_.prepare(omega), disk_.model().at(omega).impedance.real());
@@ -161,20 +167,26 @@ StiffnessLimit StiffnessLimits::find_frequency_dependent(double virtual_damping)
       values);
 }
 
-StiffnessLimit StiffnessLimits::find_exact_disk(double virtual_damping) {
+double StiffnessLimits::find_disk_limit(const DiskPoint& disk, const LawFamily::Point& law,
+                                        double virtual_damping) const {
+  const MarginPolynomial d = expand_margin(disk, family_.at(law, virtual_damping));
+  return first_root(d.value, d.slope, d.curvature, d.size);
+}
+
+StiffnessLimit StiffnessLimits::find_on_grid(double virtual_damping) {
   if (!family_.has(virtual_damping)) return {0, false, 0};
-  const auto limit = [&](const DiskPoint& point, const LawFamily::Point& law) {
-    const MarginPolynomial d = expand_margin(point, family_.at(law, virtual_damping));
-    return first_root(d.value, d.slope, d.curvature, d.size);
-  };
   std::vector<double> values;
   const auto& points = disks();
-  for (std::size_t i = 0; i < points.size(); ++i) values.push_back(limit(points[i], laws_[i]));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    values.push_back(find_disk_limit(points[i], laws()[i], virtual_damping));
   if (disk_.least_damping().active) {
     return {0, false, disk_.least_damping().omega / (2 * std::numbers::pi)};
   }
-  StiffnessLimit result = find_lowest(
-      [&](double omega) { return limit(disk_.at(omega), family_.prepare(omega)); }, values);
+  const StiffnessLimit result = find_lowest(
+      [&](double omega) {
+        return find_disk_limit(disk_.at(omega), family_.prepare(omega), virtual_damping);
+      },
+      values);
   if (!result.feasible) return result;
 
   // The disks exclude a pole on the unit circle for every smaller K, so one stable K proves them
@@ -190,6 +202,37 @@ StiffnessLimit StiffnessLimits::find_exact_disk(double virtual_damping) {
       return {0, false, 0};
   }
   return result;
+}
+
+StiffnessLimit StiffnessLimits::find_exact_disk(double virtual_damping) {
+  constexpr double closest = 1e-5, far = 1e-3;  // below the limit, where it is proved
+  constexpr int most_proofs = 20;
+  StiffnessLimit limit = find_on_grid(virtual_damping);
+  double below = closest;
+  for (int i = 0; i < most_proofs && limit.feasible; ++i) {
+    const double inside =
+        std::isfinite(limit.stiffness) ? (1 - below) * limit.stiffness : scale_stiffness();
+    if (!std::isfinite(inside)) return limit;  // a command that moves nothing
+    const DiskProof proof =
+        prove_disk(disk_.model(), sampling_, family_.make(inside, virtual_damping));
+    if (proof.outcome == ProofOutcome::proved) {
+      if (below > far) limit.stiffness = inside;
+      return limit;
+    }
+    if (proof.active) return {0, false, proof.omega / (2 * std::numbers::pi)};
+    // What the grid did not meet: down to the bottom of the dip; or lower, where it is too close to
+    // call.
+    const Minimum dip = find_minimum_near(proof.omega, [&](double omega) {
+      return find_disk_limit(disk_.at(omega), family_.prepare(omega), virtual_damping);
+    });
+    if (dip.value < inside) {
+      limit = {dip.value, dip.value > 0, dip.omega / (2 * std::numbers::pi)};
+    } else {
+      below *= 4;
+      if (below >= 1) break;
+    }
+  }
+  return {0, false, limit.worst_frequency_hz};
 }
 
 // Where to look for a limit: the stiffness at which a sample's command moves the sampled plant by

@@ -3,6 +3,7 @@
 #include "gyrator/controllers/law_family.hpp"
 #include "gyrator/cosim/sampled_plant.hpp"
 #include "gyrator/passivity/aliased_disk.hpp"
+#include "gyrator/passivity/frequency_grid.hpp"
 
 #include <optional>
 #include <string>
@@ -43,9 +44,14 @@ class StiffnessLimits {
                   const VelocityEstimator& estimator, const Operator& held_by);
   /// Of the wall of the controller's kind; `controller` without one: from the position.
   StiffnessLimits(const Device& device, const Sampling& sampling, const Controller& controller,
-                  const Operator& held_by);
+                  const Operator& held_by, GridDensity density = GridDensity::fine);
 
+  /// By the exact disk: proved between the grid's points too (prove_disk), a thousandth
+  /// below it or closer; 0 and not feasible where that does not come out.
   StiffnessLimit find(Criterion criterion, double virtual_damping);
+  /// By the exact disk at the grid's frequencies and the dips they show alone: for a great many
+  /// devices. A law with poles of its own (a wave line) may have a narrow dip in between.
+  StiffnessLimit find_on_grid(double virtual_damping);
 
   AliasedDisk& disk() { return disk_; }
   const std::vector<double>& grid() const { return grid_; }
@@ -56,8 +62,11 @@ class StiffnessLimits {
   StiffnessLimit find_frequency_dependent(double virtual_damping);
   StiffnessLimit find_exact_disk(double virtual_damping);
   StiffnessLimit find_coupled(double virtual_damping);
+  double find_disk_limit(const DiskPoint& disk, const LawFamily::Point& law,
+                         double virtual_damping) const;
   template <class Function>
   StiffnessLimit find_lowest(const Function& limit_at, const std::vector<double>& values);
+  const std::vector<LawFamily::Point>& laws();
   const SampledPlant& sampled();
   double scale_stiffness();
 
@@ -70,8 +79,12 @@ class StiffnessLimits {
   AliasedDisk disk_;
   std::vector<double> grid_;
   std::vector<DiskPoint> disks_;
-  std::vector<double> damping_;
-  std::vector<LawFamily::Point> laws_, position_laws_;
+  std::vector<LawFamily::Point> laws_;
+  struct PositionTerm {
+    LawFamily::Point law;
+    double damping;  // Re Z
+  };
+  std::vector<PositionTerm> position_terms_;
   std::optional<SampledPlant> sampled_;
 };
 

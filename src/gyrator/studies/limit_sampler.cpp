@@ -73,7 +73,7 @@ LimitSampler::LimitSampler(const Model& model)
   }
 }
 
-LimitSample LimitSampler::at(std::span<const double> values) const {
+LimitSample LimitSampler::at(std::span<const double> values, LimitSearch search) const {
   const Device device = box_.at(values);
   if (!is_stable_alone(device)) return {0, 0, WallOutcome::device_unstable};
   if (find_held_impedance(device)) {
@@ -84,8 +84,10 @@ LimitSample LimitSampler::at(std::span<const double> values) const {
             : wall_.stiffness <= K ? WallOutcome::passive
                                    : WallOutcome::too_stiff};
   }
-  StiffnessLimits limits(device, sampling_, controller_, FreeOperator{});
-  const StiffnessLimit limit = limits.find(Criterion::exact_disk, wall_.damping);
+  StiffnessLimits limits(device, sampling_, controller_, FreeOperator{}, GridDensity::coarse);
+  const StiffnessLimit limit = search == LimitSearch::on_grid
+                                   ? limits.find_on_grid(wall_.damping)
+                                   : limits.find(Criterion::exact_disk, wall_.damping);
   if (!limit.feasible) {
     const bool active = limits.disk().least_damping().active;
     return {0, limit.worst_frequency_hz,

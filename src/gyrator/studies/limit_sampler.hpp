@@ -26,13 +26,19 @@ struct LimitSample {
   WallOutcome outcome = WallOutcome::passive;
 };
 
+/// How a sample's limit is found.
+enum class LimitSearch {
+  proved,  ///< between the grid's frequencies too
+  on_grid  ///< for a great many samples
+};
+
 /// The passive limit of a model's wall for any device of its box. From many threads at once.
 class LimitSampler {
  public:
   /// Throws bad_input for a model without tolerances, or whose controller has no wall to limit.
   explicit LimitSampler(const Model& model);
 
-  LimitSample at(std::span<const double> values) const;
+  LimitSample at(std::span<const double> values, LimitSearch search = LimitSearch::proved) const;
 
   const DeviceBox& box() const { return box_; }
   const WallValues& wall() const { return wall_; }

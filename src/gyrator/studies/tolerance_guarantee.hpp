@@ -1,6 +1,6 @@
 #pragma once
 
-#include "gyrator/passivity/box_proof.hpp"
+#include "gyrator/robustness/box_proof.hpp"
 #include "gyrator/studies/model_file.hpp"
 
 #include <string_view>

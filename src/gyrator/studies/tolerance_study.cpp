@@ -23,7 +23,7 @@ std::vector<BoxPoint> draw_samples(const LimitSampler& sampler, const ToleranceR
     throw_if_interrupted("tolerance");
     samples[i].values =
         draw_values(sampler.box().tolerances(), request.seed, i, request.distribution);
-    samples[i].limit = sampler.at(samples[i].values);
+    samples[i].limit = sampler.at(samples[i].values, LimitSearch::on_grid);
     progress.advance();
   });
   return samples;

@@ -4,8 +4,8 @@
 #include "gyrator/core/interrupt.hpp"
 #include "gyrator/core/text.hpp"
 #include "gyrator/mechanics/stability.hpp"
-#include "gyrator/passivity/stiffest_coupling.hpp"
 #include "gyrator/studies/result_parts.hpp"
+#include "gyrator/two_port/stiffest_coupling.hpp"
 
 #include <array>
 #include <cmath>

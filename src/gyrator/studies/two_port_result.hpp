@@ -1,8 +1,8 @@
 #pragma once
 
-#include "gyrator/passivity/coupled_devices.hpp"
-#include "gyrator/passivity/rendering_port.hpp"
 #include "gyrator/studies/model_file.hpp"
+#include "gyrator/two_port/coupled_devices.hpp"
+#include "gyrator/two_port/rendering_port.hpp"
 
 #include <optional>
 #include <string>

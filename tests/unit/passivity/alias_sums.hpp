@@ -3,7 +3,7 @@
 #include "gyrator/controllers/sampling.hpp"
 #include "gyrator/passivity/aliased_disk.hpp"
 
-#include "closed_forms.hpp"
+#include "support/passivity_closed_forms.hpp"
 
 namespace gyrator::passivity_tests {
 

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "closed_forms.hpp"
+#include "support/passivity_closed_forms.hpp"
 
 namespace gyrator {
 namespace {

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "closed_forms.hpp"
-#include "mentions.hpp"
+#include "support/passivity_closed_forms.hpp"
+#include "support/mentions.hpp"
 
 namespace gyrator {
 namespace {
