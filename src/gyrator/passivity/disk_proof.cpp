@@ -16,9 +16,11 @@ namespace {
 using Complex = std::complex<double>;
 using std::numbers::pi;
 
-constexpr double rounding = 1e-11;      // of the sizes of what is summed
-constexpr double narrowest = 1e-10;     // interval, of its frequency
-constexpr double below_slowest = 1e-4;  // where the limit at zero frequency is reached
+constexpr double rounding = 1e-11;   // of the sizes of what is summed
+constexpr double narrowest = 1e-10;  // interval, of its frequency
+// Of the slowest pole, where the limit at zero frequency is reached; the higher ones where
+// rounding, which grows towards zero frequency, takes over before.
+constexpr double below_slowest[] = {1e-4, 1e-3, 5e-3};
 constexpr int fewest_direct = 12;
 constexpr int bounded_beyond = 300;
 constexpr int most_direct = 20000;
@@ -40,8 +42,8 @@ int count_direct_aliases(const PortModel& model, double sampling_frequency) {
   return std::max(static_cast<int>(beyond) + 1, fewest_direct);
 }
 
-// Below this nothing varies any more: far below every pole of device and law.
-double find_lowest_omega(const PortModel& model, const DiscreteStateSpace& law, double period) {
+// Slowest pole of device and law [rad/s].
+double find_slowest_pole(const PortModel& model, const DiscreteStateSpace& law, double period) {
   double slowest = pi / period;
   const double fastest = model.poles().size() > 0 ? model.poles().cwiseAbs().maxCoeff() : 0;
   for (const auto& pole : model.poles()) {
@@ -53,7 +55,7 @@ double find_lowest_omega(const PortModel& model, const DiscreteStateSpace& law, 
       if (rate * period > 1e-9) slowest = std::min(slowest, rate);
     }
   }
-  return below_slowest * slowest;
+  return slowest;
 }
 
 class Prover {
@@ -67,7 +69,8 @@ class Prover {
         sampling_frequency_(2 * pi / period_),
         idle_(is_zero(law)),
         direct_(count_direct_aliases(model, sampling_frequency_)),
-        lowest_(find_lowest_omega(model, law, period_)) {
+        slowest_(find_slowest_pole(model, law, period_)),
+        lowest_(below_slowest[0] * slowest_) {
     if (!idle_) {
       remainder_.emplace(model, period_, delay_, whole_, direct_, direct_ + bounded_beyond);
       // Damping that varies too fast to be bounded over a whole sampling frequency is followed.
@@ -83,13 +86,14 @@ class Prover {
     DiskProof proof;
     proof.aliases = direct_;
     proof.bounded_aliases = direct_ + bounded_beyond;
-    proof.lowest_omega = lowest_;
     proof.outcome = ProofOutcome::proved;
     if (direct_ > most_direct) {  // a resonance too far out to be summed up to
       proof.outcome = ProofOutcome::undecided;
       proof.omega = most_direct * sampling_frequency_;
       return proof;
     }
+    if (!idle_) choose_lowest();
+    proof.lowest_omega = lowest_;
     cover(proof, lowest_, pi / period_);
     if (proof.outcome == ProofOutcome::proved && !idle_) check_limit(proof);
     if (proof.outcome == ProofOutcome::proved) check_damping_above(proof);
@@ -279,11 +283,25 @@ class Prover {
     }
   }
 
-  // D is even in w, and analytic as far as the slowest pole: below the lowest interval it changes
-  // by less than between there and twice that.
+  // D is even in w, and analytic as far as the slowest pole: below `omega` it changes by less than
+  // between there and twice that.
+  double change_below(double omega) const {
+    return std::abs(bound(2 * omega, 0).interval.margin - bound(omega, 0).interval.margin);
+  }
+
+  void choose_lowest() {
+    double least = std::numeric_limits<double>::infinity();
+    for (const double share : below_slowest) {
+      const double change = change_below(share * slowest_);
+      if (!(change < least)) continue;
+      least = change;
+      lowest_ = share * slowest_;
+    }
+  }
+
   void check_limit(DiskProof& proof) {
     const Bound at_end = bound(lowest_, 0);
-    const double change = std::abs(bound(2 * lowest_, 0).interval.margin - at_end.interval.margin);
+    const double change = change_below(lowest_);
     if (at_end.interval.margin - change > rounding * at_end.size) return;
     proof.outcome = ProofOutcome::undecided;
     proof.omega = lowest_;
@@ -329,7 +347,7 @@ class Prover {
   double sampling_frequency_;
   bool idle_;
   int direct_;
-  double lowest_;
+  double slowest_, lowest_;
   std::optional<AliasRemainder> remainder_;
   double residue_ = 0;
 };

@@ -206,18 +206,24 @@ StiffnessLimit StiffnessLimits::find_on_grid(double virtual_damping) {
 
 StiffnessLimit StiffnessLimits::find_exact_disk(double virtual_damping) {
   constexpr double closest = 1e-5, far = 1e-3;  // below the limit, where it is proved
-  constexpr int most_proofs = 20;
+  constexpr int most_proofs = 40;
   StiffnessLimit limit = find_on_grid(virtual_damping);
+  double undecided = 0, proved = 1;  // shares below the limit
   double below = closest;
-  for (int i = 0; i < most_proofs && limit.feasible; ++i) {
+  for (int i = 0; i < most_proofs && limit.feasible && below < 1; ++i) {
     const double inside =
         std::isfinite(limit.stiffness) ? (1 - below) * limit.stiffness : scale_stiffness();
     if (!std::isfinite(inside)) return limit;  // a command that moves nothing
     const DiskProof proof =
         prove_disk(disk_.model(), sampling_, family_.make(inside, virtual_damping));
     if (proof.outcome == ProofOutcome::proved) {
-      if (below > far) limit.stiffness = inside;
-      return limit;
+      proved = below;
+      if (proved - undecided <= far) {
+        if (below > far) limit.stiffness = inside;
+        return limit;
+      }
+      below = (proved + undecided) / 2;  // as high as it can be decided
+      continue;
     }
     if (proof.active) return {0, false, proof.omega / (2 * std::numbers::pi)};
     // What the grid did not meet: down to the bottom of the dip; or lower, where it is too close to
@@ -227,9 +233,12 @@ StiffnessLimit StiffnessLimits::find_exact_disk(double virtual_damping) {
     });
     if (dip.value < inside) {
       limit = {dip.value, dip.value > 0, dip.omega / (2 * std::numbers::pi)};
+      undecided = 0;
+      proved = 1;
+      below = closest;
     } else {
-      below *= 4;
-      if (below >= 1) break;
+      undecided = below;
+      below = proved < 1 ? (proved + undecided) / 2 : 4 * below;
     }
   }
   return {0, false, limit.worst_frequency_hz};
