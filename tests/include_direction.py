@@ -8,12 +8,13 @@ MAY_INCLUDE = {
     "mechanics": {"core", "circuits"},
     "verification": {"core", "circuits", "controllers", "mechanics"},
     "cosim": {"core", "circuits", "controllers", "mechanics"},
+    "lanes": {"core", "circuits", "controllers", "mechanics", "cosim"},
     "passivity": {"core", "circuits", "controllers", "mechanics", "cosim"},
     "two_port": {"core", "circuits", "controllers", "mechanics", "cosim", "passivity"},
     "robustness": {"core", "circuits", "controllers", "mechanics", "cosim", "passivity"},
     "documents": {"core"},
     "plots": {"core", "documents"},
-    "studies": {"core", "circuits", "controllers", "mechanics", "verification", "cosim", "passivity", "two_port", "robustness", "documents", "plots"},
+    "studies": {"core", "circuits", "controllers", "mechanics", "verification", "cosim", "lanes", "passivity", "two_port", "robustness", "documents", "plots"},
     "app": {"core", "documents", "plots", "studies"},
 }
 root = pathlib.Path(__file__).resolve().parent.parent / "src" / "gyrator"

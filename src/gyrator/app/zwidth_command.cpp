@@ -6,6 +6,7 @@
 #include "gyrator/studies/results.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 
@@ -27,12 +28,23 @@ struct Options {
   bool has_criteria = false;
   bool envelope = false;
   std::string cutoff, band;
+  std::string stiffness, gestures, duration;
+  int rows = 64;
+  int threads = 0;
 };
 
-std::vector<Criterion> parse_criteria(const std::string& text) {
+constexpr const char* time_criterion = "time";
+
+struct Criteria {
+  std::vector<Criterion> list;
+  bool time = false;  // by co-simulation, too
+};
+
+Criteria parse_criteria(const std::string& text) {
   std::vector<std::string> known;
   for (const auto& c : criterion_names()) known.emplace_back(c.name);
-  std::vector<Criterion> criteria;
+  known.emplace_back(time_criterion);
+  Criteria criteria;
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t comma = std::min(text.find(',', at), text.size());
     const std::string name(trim(std::string_view(text).substr(at, comma - at)));
@@ -42,10 +54,15 @@ std::vector<Criterion> parse_criteria(const std::string& text) {
       throw Error(ErrorCode::bad_input, "--criterion",
                   describe_unknown_name("criterion", name, known));
     }
+    if (name == time_criterion) {
+      criteria.time = true;
+      continue;
+    }
     const Criterion criterion =
         criterion_names()[static_cast<std::size_t>(found - known.begin())].criterion;
-    const bool is_new = std::find(criteria.begin(), criteria.end(), criterion) == criteria.end();
-    if (is_new) criteria.push_back(criterion);
+    const bool is_new =
+        std::find(criteria.list.begin(), criteria.list.end(), criterion) == criteria.list.end();
+    if (is_new) criteria.list.push_back(criterion);
   }
   return criteria;
 }
@@ -67,6 +84,21 @@ std::vector<double> choose_damping(const Options& options, const Model& model) {
   for (int i = 0; i < options.points; ++i)
     damping.push_back(from + (to - from) * i / (options.points - 1));
   return damping;
+}
+
+std::string describe_map(const nlohmann::json& boundary) {
+  const auto& map = boundary["map"];
+  std::array<int, 3> counts{};
+  for (const auto& row : map["outcome"]) {
+    for (const auto& cell : row) ++counts.at(cell.get<std::size_t>());
+  }
+  std::string text = fmt::format(
+      "\nmap of {} x {} walls, {} samples each: {} settle, {} keep a limit cycle, {} diverge\n",
+      map["stiffness"].size(), boundary["damping"].size(), map["samples"].get<long>(), counts[0],
+      counts[1], counts[2]);
+  const std::string by = map["computed_by"];
+  if (by != "lanes") text += fmt::format("computed {}\n", by);
+  return text;
 }
 
 std::string describe(const Model& model, const nlohmann::json& result, bool verbose) {
@@ -96,17 +128,24 @@ std::string describe(const Model& model, const nlohmann::json& result, bool verb
         "plot.\n",
         rows);
   }
+  for (const auto& b : result["boundaries"]) {
+    if (b.contains("map")) text += describe_map(b);
+  }
   return text + describe_linear_range(model, result);
 }
 
 std::vector<Criterion> choose_envelope_criterion(const Options& options) {
   if (!options.has_criteria) return {Criterion::exact_disk};
-  auto criteria = parse_criteria(options.criteria);
-  if (criteria.size() > 1) {
+  const Criteria criteria = parse_criteria(options.criteria);
+  if (criteria.time) {
+    throw Error(ErrorCode::bad_input, "--criterion",
+                "time: an envelope is by a passivity criterion");
+  }
+  if (criteria.list.size() > 1) {
     throw Error(ErrorCode::bad_input, "--criterion",
                 fmt::format("{}: an envelope is by one criterion", options.criteria));
   }
-  return criteria;
+  return criteria.list;
 }
 
 EnvelopeRequest make_envelope_request(const Options& options) {
@@ -205,13 +244,77 @@ void run_envelope(const Options& options) {
   deliver(options.common, result, describe_envelope(model, result, options.common.verbose));
 }
 
+// "0..1 N.m/rad": rows of equal height from one to the other.
+std::vector<double> parse_rows(const Options& options, const Unit& unit) {
+  if (options.stiffness.empty()) return {};
+  const std::size_t dots = options.stiffness.find("..");
+  if (dots == std::string::npos) return parse_list("--stiffness", options.stiffness, unit);
+  const double from = parse_option("--stiffness", options.stiffness.substr(0, dots), unit);
+  const double to = parse_option("--stiffness", options.stiffness.substr(dots + 2), unit);
+  if (!(to > from)) {
+    throw Error(ErrorCode::bad_input, "--stiffness",
+                fmt::format("{:g}..{:g}: must rise", from, to));
+  }
+  std::vector<double> rows;
+  for (int i = 0; i < options.rows; ++i)
+    rows.push_back(from + (to - from) * (i + 1) / options.rows);
+  return rows;
+}
+
+std::vector<MapGesture> parse_gestures(const std::string& text) {
+  const std::vector<std::string> known{"model", "hit", "hold"};
+  std::vector<MapGesture> gestures;
+  for (std::size_t at = 0; !text.empty() && at <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', at), text.size());
+    const std::string name(trim(std::string_view(text).substr(at, comma - at)));
+    at = comma + 1;
+    const auto found = std::find(known.begin(), known.end(), name);
+    if (found == known.end())
+      throw Error(ErrorCode::bad_input, "--gesture", describe_unknown_name("gesture", name, known));
+    const auto gesture = static_cast<MapGesture>(found - known.begin());
+    if (std::find(gestures.begin(), gestures.end(), gesture) == gestures.end())
+      gestures.push_back(gesture);
+  }
+  return gestures;
+}
+
+TimeMapRequest make_time_request(const Options& options, const Model& model,
+                                 const std::vector<double>& damping) {
+  TimeMapRequest request;
+  request.damping = damping;
+  std::sort(request.damping.begin(), request.damping.end());
+  request.stiffness = parse_rows(options, units_of(model.device.motion).stiffness);
+  std::sort(request.stiffness.begin(), request.stiffness.end());
+  request.rows = options.rows;
+  request.gestures = parse_gestures(options.gestures);
+  if (!options.duration.empty())
+    request.duration = parse_option_time("--duration", options.duration);
+  request.threads = options.threads;
+  request.quiet = options.common.quiet;
+  return request;
+}
+
+// Curves over a map of many columns need no more points than the eye resolves.
+std::vector<double> thin(const std::vector<double>& damping) {
+  constexpr std::size_t enough = 65;
+  if (damping.size() <= enough) return damping;
+  std::vector<double> kept;
+  for (std::size_t i = 0; i < enough; ++i)
+    kept.push_back(damping[i * (damping.size() - 1) / (enough - 1)]);
+  return kept;
+}
+
 void run(const Options& options) {
   check_outputs(options.common);
   if (options.envelope) return run_envelope(options);
-  const auto criteria = parse_criteria(options.criteria);
+  const Criteria criteria = parse_criteria(options.criteria);
   const Model model = load_model(options.common.model);
-  const nlohmann::json result =
-      make_zwidth_result(model, {choose_damping(options, model), criteria, options.common.quiet});
+  ZwidthRequest request{choose_damping(options, model), criteria.list, options.common.quiet, {}};
+  if (criteria.time) {
+    request.time = make_time_request(options, model, request.damping);
+    request.damping = thin(request.damping);
+  }
+  const nlohmann::json result = make_zwidth_result(model, request);
   if (!options.common.csv.empty()) {
     std::vector<std::string> names{"damping"};
     std::vector<std::vector<double>> columns{result["damping"]};
@@ -236,9 +339,13 @@ void add_zwidth_command(CLI::App& app, int&) {
   std::string criteria_help = "Comma-separated:";
   for (const auto& c : criterion_names())
     criteria_help += fmt::format("\n  {}: {}", c.name, c.summary);
+  criteria_help += fmt::format(
+      "\n  {}: co-simulated hits and holds with the model's operator, as a map over K and B",
+      time_criterion);
   add_common_options(
       *command, options->common, "Write damping and the limits as columns",
       "gyrator zwidth examples/rc_display.json --damping 0,1e-4,1.5e-4 --criterion exact_disk\n"
+      "  gyrator zwidth examples/rc_display.json --criterion time,exact_disk --svg map.svg\n"
       "  gyrator zwidth examples/rc_display.json --envelope --cutoff 50,200 --svg envelope.svg");
   auto* list =
       command
@@ -256,6 +363,29 @@ void add_zwidth_command(CLI::App& app, int&) {
   auto* criteria = command->add_option("--criterion", options->criteria, criteria_help)
                        ->capture_default_str()
                        ->type_name("LIST");
+  command
+      ->add_option("--stiffness", options->stiffness,
+                   "Of the map by time: K of its rows, FROM..TO or a list; by default up to half "
+                   "as much again as is stable with the model's operator")
+      ->type_name("RANGE")
+      ->check(not_empty());
+  command->add_option("--rows", options->rows, "Of the map by time: rows over K")
+      ->capture_default_str()
+      ->check(whole_number_between(2, 100000));
+  command
+      ->add_option("--gesture", options->gestures,
+                   "Of the map by time: model (its own start, efforts and gesture), hit, hold; by "
+                   "default the model's if it moves anything, else hit,hold")
+      ->type_name("LIST")
+      ->check(not_empty());
+  command
+      ->add_option("--duration", options->duration,
+                   "Of the map by time: length of each run; by default the model's")
+      ->type_name("TIME")
+      ->check(not_empty());
+  command->add_option("--threads", options->threads, "Cores to use; 0: all")
+      ->capture_default_str()
+      ->check(whole_number_between(0, 4096));
   auto* envelope = command->add_flag(
       "--envelope", options->envelope,
       "Instead: smallest and largest impedance over frequency of all passive walls (K, B), by one "

@@ -17,7 +17,8 @@ enum class CurveStyle {
   points,    ///< no line
   impulses,  ///< a stem from zero
   area,      ///< filled, lightly, between the curve and zero
-  band       ///< filled, lightly, between `y` and `y_low`
+  band,      ///< filled, lightly, between `y` and `y_low`
+  boxes      ///< filled rectangles from `x` to `x_high` and from `y_low` to `y`
 };
 
 /// y over x, of equal length. A value that is no number (or ≤ 0 on a logarithmic axis) breaks
@@ -28,7 +29,8 @@ struct Curve {
   std::vector<double> y;
   CurveStyle style = CurveStyle::line;
   Colour colour = Colour::blue;
-  std::vector<double> y_low = {};  ///< for `band` only
+  std::vector<double> y_low = {};   ///< for `band` and `boxes` only
+  std::vector<double> x_high = {};  ///< for `boxes` only
 };
 
 /// An axis "label [unit]"; where `min` or `max` is missing, it follows from the data.

@@ -39,6 +39,7 @@ Extents extents_of(const Panel& panel, const AxisView& x, const AxisView& y) {
   for (const auto& curve : panel.curves) {
     for (std::size_t i = 0; i < curve.x.size(); ++i) include(curve.x[i], curve.y[i]);
     for (std::size_t i = 0; i < curve.y_low.size(); ++i) include(curve.x[i], curve.y_low[i]);
+    for (std::size_t i = 0; i < curve.x_high.size(); ++i) include(curve.x_high[i], curve.y[i]);
     extents.stems |= curve.style == CurveStyle::area || curve.style == CurveStyle::impulses;
   }
   for (const auto& circle : panel.circles)

@@ -86,7 +86,9 @@ Pixel pixel_of(double x, double y, const PanelView& view, const PanelPlace& plac
 
 void add_curves(Crowd& crowd, const Panel& panel, const PanelView& view, const PanelPlace& place) {
   for (const auto& curve : panel.curves) {
-    if (curve.style == CurveStyle::band || curve.style == CurveStyle::area) continue;  // light
+    if (curve.style == CurveStyle::band || curve.style == CurveStyle::area ||
+        curve.style == CurveStyle::boxes)
+      continue;  // light
     for (std::size_t i = 1; i < std::min(curve.x.size(), curve.y.size()); ++i) {
       if (!view.x.can_show(curve.x[i - 1]) || !view.y.can_show(curve.y[i - 1]) ||
           !view.x.can_show(curve.x[i]) || !view.y.can_show(curve.y[i]))

@@ -73,7 +73,8 @@ double up(double y, const Page& page) {
 /// The short piece of curve before an entry's text.
 std::string key_sample_at(const KeyEntry& entry, double x, double y, const Page& page) {
   const auto* colour = hex(entry.colour);
-  if (entry.style == CurveStyle::area || entry.style == CurveStyle::band)
+  if (entry.style == CurveStyle::area || entry.style == CurveStyle::band ||
+      entry.style == CurveStyle::boxes)
     return fmt::format(
         "set object rectangle from screen {:.5f},{:.5f} to screen {:.5f},{:.5f} fs transparent "
         "solid 0.25 noborder fc rgb '{}'\n",

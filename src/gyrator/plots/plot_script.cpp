@@ -6,6 +6,7 @@
 #include "gyrator/plots/plot_page.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <numbers>
@@ -126,13 +127,36 @@ std::string style_of(const Curve& curve, const AxisView& y) {
           "using 1:2 with filledcurves y={} fs transparent solid 0.18 noborder fc rgb '{}'",
           y.logarithmic ? y.low : 0.0, colour);
     case CurveStyle::band:
+    case CurveStyle::boxes:  // add_boxes()
       break;
   }
   return fmt::format("using 1:2:3 with filledcurves fs transparent solid 0.18 noborder fc rgb '{}'",
                      colour);
 }
 
+// Opaque, so that lines on top can be told from it; without edges, that neighbours are one area.
+void add_boxes(Drawing& drawing, const Curve& curve, const PanelView& view) {
+  std::string block;
+  for (std::size_t i = 0; i < curve.x.size(); ++i) {
+    const std::array corners{curve.x[i], curve.x_high[i]};
+    const std::array ends{curve.y_low[i], curve.y[i]};
+    if (!std::all_of(corners.begin(), corners.end(),
+                     [&](double x) { return view.x.can_show(x); }) ||
+        !std::all_of(ends.begin(), ends.end(), [&](double y) { return view.y.can_show(y); }))
+      continue;
+    const double low_x = view.x.scaled(corners[0]), high_x = view.x.scaled(corners[1]);
+    const double low_y = view.y.scaled(ends[0]), high_y = view.y.scaled(ends[1]);
+    fmt::format_to(std::back_inserter(block), "{:.8g} {:.8g} {:.8g} {:.8g} {:.8g} {:.8g}\n",
+                   (low_x + high_x) / 2, (low_y + high_y) / 2, low_x, high_x, low_y, high_y);
+  }
+  if (block.empty()) return;
+  drawing.plots.push_back(
+      fmt::format("{} using 1:2:3:4:5:6 with boxxyerror fs solid 0.45 noborder fc rgb '{}' {}",
+                  drawing.add_data(block), hex(curve.colour), named(curve.title)));
+}
+
 void add_curve(Drawing& drawing, const Curve& curve, const PanelView& view, int columns) {
+  if (curve.style == CurveStyle::boxes) return add_boxes(drawing, curve, view);
   auto rows = rows_of(curve, view);
   if (curve.style != CurveStyle::band) rows = thinned(rows, view, columns);
   const auto block = datablock(rows, view);
@@ -219,8 +243,11 @@ std::string axis_settings(char name, const AxisView& view) {
 }
 
 void check_lengths(const Panel& panel, const Curve& curve) {
-  const bool low_missing = curve.style == CurveStyle::band && curve.y_low.size() != curve.x.size();
-  if (curve.x.size() == curve.y.size() && !low_missing) return;
+  const bool boxes = curve.style == CurveStyle::boxes;
+  const bool low_missing =
+      (boxes || curve.style == CurveStyle::band) && curve.y_low.size() != curve.x.size();
+  const bool high_missing = boxes && curve.x_high.size() != curve.x.size();
+  if (curve.x.size() == curve.y.size() && !low_missing && !high_missing) return;
   throw Error(
       ErrorCode::bad_input, "figure",
       fmt::format("panel \"{}\", curve \"{}\": {} values of x, {} of y, {} of y_low: they "

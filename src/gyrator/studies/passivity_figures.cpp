@@ -216,7 +216,7 @@ Colour criterion_colour(const std::string& name) {
       {"exact_disk", Colour::blue},
       {"quantized_coulomb", Colour::purple},
       {"coupled", Colour::green},
-      {"time", Colour::orange},
+      {"time", Colour::black},
   }};
   for (const auto& [known, colour] : colours)
     if (name == known) return colour;
@@ -335,6 +335,16 @@ Figure passivity_figure(const json& result) {
 
 Figure zwidth_figure(const json& result) {
   Panel panel = boundary_panel(result, boundaries_of(result));
+  for (const auto& boundary : result["boundaries"]) {
+    if (!has(boundary, "map")) continue;
+    auto cells = time_map_cells(boundary);
+    panel.y_axis.min = 0;
+    panel.y_axis.max = *std::max_element(cells.back().y.begin(), cells.back().y.end());
+    for (const Curve& curve : cells)
+      panel.y_axis.max =
+          std::max(*panel.y_axis.max, *std::max_element(curve.y.begin(), curve.y.end()));
+    panel.curves.insert(panel.curves.begin(), cells.begin(), cells.end());
+  }
   if (has(result, "point"))
     add_point(panel, optional_number(result["point"], "damping"),
               optional_number(result["point"], "stiffness"));

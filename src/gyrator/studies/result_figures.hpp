@@ -24,6 +24,8 @@ Figure passivity_figure(const nlohmann::json& result);
 
 /// Largest stiffness over virtual damping, one boundary per criterion, and the model's point.
 Figure zwidth_figure(const nlohmann::json& result);
+/// The cells of a boundary by time, one filled curve per outcome.
+std::vector<Curve> time_map_cells(const nlohmann::json& boundary);
 
 /// Position, velocity, effort and (where booked) energy over time, one under the other.
 Figure simulate_figure(const nlohmann::json& result);

@@ -148,6 +148,33 @@ std::optional<WallValues> wall_of(const Model& model) {
   return find_wall_values(model.controller);
 }
 
+// One boundary per criterion.
+json make_boundaries(const Model& model, const ZwidthRequest& request) {
+  StiffnessLimits limits = make_limits(model);
+  Progress progress("Z-width", request.damping.size() * request.criteria.size(), request.quiet);
+  json boundaries = json::array();
+  for (const Criterion criterion : request.criteria) {
+    json stiffness = json::array();
+    json feasible = json::array();
+    json frequency = json::array();
+    for (const double damping : request.damping) {
+      throw_if_interrupted("zwidth");
+      const StiffnessLimit limit =
+          naming_file(model, [&] { return limits.find(criterion, damping); });
+      stiffness.push_back(finite_or_null(limit.stiffness));
+      feasible.push_back(limit.feasible);
+      frequency.push_back(limit.worst_frequency_hz);
+      progress.advance();
+    }
+    boundaries.push_back({{"criterion", name_of(criterion)},
+                          {"damping", request.damping},
+                          {"max_stiffness", stiffness},
+                          {"feasible", feasible},
+                          {"worst_frequency_hz", frequency}});
+  }
+  return boundaries;
+}
+
 }  // namespace
 
 json make_impedance_result(const Model& model, const std::vector<double>& frequency_hz) {
@@ -248,28 +275,9 @@ json make_zwidth_result(const Model& model, const ZwidthRequest& request) {
   naming_file(model, [&] { require_stable_device(model.device); });
   json result = start_result("zwidth", model);
   const auto wall = wall_of(model);
-  StiffnessLimits limits = make_limits(model);
-  Progress progress("Z-width", request.damping.size() * request.criteria.size(), request.quiet);
   json boundaries = json::array();
-  for (const Criterion criterion : request.criteria) {
-    json stiffness = json::array();
-    json feasible = json::array();
-    json frequency = json::array();
-    for (const double damping : request.damping) {
-      throw_if_interrupted("zwidth");
-      const StiffnessLimit limit =
-          naming_file(model, [&] { return limits.find(criterion, damping); });
-      stiffness.push_back(finite_or_null(limit.stiffness));
-      feasible.push_back(limit.feasible);
-      frequency.push_back(limit.worst_frequency_hz);
-      progress.advance();
-    }
-    boundaries.push_back({{"criterion", name_of(criterion)},
-                          {"damping", request.damping},
-                          {"max_stiffness", stiffness},
-                          {"feasible", feasible},
-                          {"worst_frequency_hz", frequency}});
-  }
+  if (!request.criteria.empty()) boundaries = make_boundaries(model, request);
+  if (request.time) boundaries.push_back(make_time_boundary(model, *request.time));
   for (const char* key : {"criterion", "damping", "max_stiffness", "feasible"})
     result[key] = boundaries.front()[key];
   result["boundaries"] = std::move(boundaries);

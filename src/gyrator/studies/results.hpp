@@ -4,6 +4,7 @@
 #include "gyrator/studies/model_file.hpp"
 #include "gyrator/studies/simulation_result.hpp"
 #include "gyrator/studies/spice_check.hpp"
+#include "gyrator/studies/time_map.hpp"
 
 #include <optional>
 #include <string>
@@ -35,7 +36,8 @@ nlohmann::json make_passivity_result(const Model& model, const PassivityRequest&
 struct ZwidthRequest {
   std::vector<double> damping;  ///< virtual dampings B [N.s/m, N.m.s/rad]
   std::vector<Criterion> criteria;
-  bool quiet = true;  ///< no progress bar
+  bool quiet = true;                   ///< no progress bar
+  std::optional<TimeMapRequest> time;  ///< one more boundary, by co-simulation
 };
 /// Largest stiffness over virtual damping, one boundary per criterion.
 nlohmann::json make_zwidth_result(const Model& model, const ZwidthRequest& request);

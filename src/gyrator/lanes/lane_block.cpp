@@ -1,0 +1,190 @@
+#include "gyrator/lanes/lane_block.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace gyrator {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double runaway_ratio = 1e9;  // as in simulate()
+
+LaneKernel find_kernel(LaneInstructions instructions, const LaneProgram& program) {
+#if defined(__x86_64__)
+  if (instructions == LaneInstructions::avx512) return lane_avx512::find_kernel(program);
+  if (instructions == LaneInstructions::avx2) return lane_avx2::find_kernel(program);
+#else
+  (void)instructions;
+#endif
+  return lane_baseline::find_kernel(program);
+}
+
+// Which coordinate of the state a signal is; -1 where it is none.
+int find_coordinate(const Eigen::RowVectorXd& row) {
+  Eigen::Index at = 0;
+  if (row.cwiseAbs().maxCoeff(&at) != 1 || row(at) != 1) return -1;
+  return (row.array() != 0).count() == 1 ? static_cast<int>(at) : -1;
+}
+
+bool is_difference(const DiscreteStateSpace& law) {
+  return law.states() == 1 && law.A(0, 0) == 0 && law.B(0) == 1;
+}
+
+}  // namespace
+
+LaneBlock::LaneBlock(const LaneScene& scene, const LaneDesign& example,
+                     LaneInstructions instructions)
+    : scene_(scene) {
+  prepare_scene(scene);
+  prepare_program(example);
+  general_ = find_kernel(instructions, program_);
+  program_.shared_plant = true;
+  shared_ = find_kernel(instructions, program_);
+  const auto n = static_cast<std::size_t>(program_.states);
+  const auto m = static_cast<std::size_t>(program_.law_states);
+  constexpr auto lanes = static_cast<std::size_t>(lanes_per_block);
+  propagate_.assign(n * (n + 3) * lanes, 0);
+  signals_.assign(3 * n * lanes, 0);
+  law_.assign((m + 1) * (m + 1) * lanes, 0);
+  pushing_.assign(lanes, 0);
+  xi_.assign(n * lanes, 0);
+  law_state_.assign(std::max<std::size_t>(1, m) * lanes, 0);
+  commands_.assign(static_cast<std::size_t>(program_.whole_delay + 2) * lanes, 0);
+  reference_.assign(lanes, 0);
+  position_.assign(static_cast<std::size_t>(program_.samples + 1) * lanes, 0);
+  velocity_.assign(position_.size(), 0);
+}
+
+// What follows from sensor, clock and gesture alone.
+void LaneBlock::prepare_scene(const LaneScene& scene) {
+  const SimulationOptions& o = scene.options;
+  program_.samples = floor_divide(o.duration, scene.sampling.period);
+  if (program_.samples < 1)
+    throw Error(ErrorCode::bad_input, "simulation/duration", "must be at least one sample period");
+  program_.period = scene.sampling.period.to_double();
+  program_.quantum = scene.sensor.quantum;
+  program_.offset = scene.sensor.offset;
+  program_.dac_quantum = o.dac.quantum;
+  program_.dac_limit = o.dac.limit.value_or(infinity);
+  program_.runaway_ratio = runaway_ratio;
+  const auto samples = static_cast<std::size_t>(program_.samples);
+  efforts_.assign(samples, o.external_effort);
+  if (o.gesture) {
+    RunningGesture gesture(*o.gesture, o.seed);
+    const SampleClock clock(scene.sampling, o.seed);
+    for (std::size_t k = 0; k < samples; ++k) {
+      const auto tick = static_cast<std::int64_t>(k);
+      efforts_[k] += gesture.mean_effort(clock.time_of_tick(tick), clock.time_of_tick(tick + 1),
+                                         program_.period);
+    }
+  }
+  program_.effort = efforts_.data();
+  if (scene.sensor.noise > 0) {
+    RandomStream stream(o.seed, noise_stream);
+    noise_.resize(samples + 1);
+    for (double& noise : noise_) noise = scene.sensor.noise * stream.normal();
+    program_.noise = noise_.data();
+  }
+}
+
+void LaneBlock::prepare_program(const LaneDesign& example) {
+  const LanePlant& plant = *example.plant;
+  program_.states = static_cast<int>(plant.states());
+  program_.law_states = static_cast<int>(example.law.law.states());
+  program_.law_is_difference = is_difference(example.law.law);
+  program_.whole_delay = static_cast<int>(plant.delay.whole);
+  program_.split = plant.delay.rest > 0;
+  program_.contact_threshold = example.law.contact_threshold;
+  program_.most_command = -example.law.least_effort;
+  program_.sensed = find_coordinate(plant.sensed);
+  program_.position = find_coordinate(plant.position);
+  program_.velocity = find_coordinate(plant.velocity);
+}
+
+void LaneBlock::set_plant(const LanePlant& plant, int lane) {
+  const auto stride = static_cast<std::size_t>(program_.shared_plant ? 1 : lanes_per_block);
+  std::size_t at = program_.shared_plant ? 0 : static_cast<std::size_t>(lane);
+  for (Eigen::Index i = 0; i < plant.propagate.rows(); ++i) {
+    for (Eigen::Index j = 0; j < plant.propagate.cols(); ++j, at += stride)
+      propagate_[at] = plant.propagate(i, j);
+  }
+  at = static_cast<std::size_t>(lane);
+  for (const auto* row : {&plant.sensed, &plant.position, &plant.velocity}) {
+    for (Eigen::Index i = 0; i < row->size(); ++i, at += lanes_per_block) signals_[at] = (*row)(i);
+  }
+  pushing_[static_cast<std::size_t>(lane)] = plant.largest_push;
+}
+
+void LaneBlock::set_law(const LaneLaw& design, int lane) {
+  const DiscreteStateSpace& law = design.law;
+  const Eigen::Index m = law.states();
+  auto at = static_cast<std::size_t>(lane);
+  const auto put = [&](double value) {
+    law_[at] = value;
+    at += lanes_per_block;
+  };
+  for (Eigen::Index i = 0; i < m; ++i) {
+    for (Eigen::Index j = 0; j < m; ++j) put(law.A(i, j));
+    put(law.B(i));
+  }
+  for (Eigen::Index j = 0; j < m; ++j) put(-law.C(j));
+  put(-law.D);
+}
+
+void LaneBlock::set_start(const LaneDesign& design, int lane) {
+  const SimulationOptions& o = scene_.options;
+  const LanePlant& plant = *design.plant;
+  const Eigen::VectorXd xi = plant.plant.initial_state(o.initial_position, o.initial_velocity);
+  auto at = static_cast<std::size_t>(lane);
+  for (Eigen::Index i = 0; i < xi.size(); ++i, at += lanes_per_block) xi_[at] = xi(i);
+  // The law starts as if its first sample had been there for ever.
+  const double first =
+      round_to_multiple(plant.sensed.dot(xi) + (noise_.empty() ? 0 : noise_.front()),
+                        scene_.sensor.quantum) +
+      scene_.sensor.offset;
+  at = static_cast<std::size_t>(lane);
+  for (Eigen::Index i = 0; i < design.law.settled_at_one.size(); ++i, at += lanes_per_block)
+    law_state_[at] = first * design.law.settled_at_one(i);
+}
+
+void LaneBlock::run(std::span<const LaneDesign> designs) {
+  const bool shared = std::all_of(designs.begin(), designs.end(), [&](const LaneDesign& d) {
+    return d.plant == designs.front().plant;
+  });
+  const bool is_loaded = shared && designs.front().plant == loaded_;
+  program_.shared_plant = shared;
+  for (int lane = 0; lane < lanes_per_block; ++lane) {
+    // Lanes that are left over repeat the last design.
+    const auto i = std::min(static_cast<std::size_t>(lane), designs.size() - 1);
+    if (!is_loaded) set_plant(*designs[i].plant, lane);
+    set_law(designs[i].law, lane);
+    set_start(designs[i], lane);
+  }
+  loaded_ = shared ? designs.front().plant : nullptr;
+  std::fill(commands_.begin(), commands_.end(), 0);
+  std::fill(reference_.begin(), reference_.end(), 0);
+  (shared ? shared_ : general_)(
+      program_, {propagate_.data(), signals_.data(), law_.data(), pushing_.data()},
+      {xi_.data(), law_state_.data(), commands_.data(), reference_.data()},
+      {position_.data(), velocity_.data(), ends_.data(), end_rows_.data()});
+}
+
+std::array<double, lanes_per_block> LaneBlock::half_swings(long from, long to) const {
+  std::array<double, lanes_per_block> low, high;
+  low.fill(infinity);
+  high.fill(-infinity);
+  for (long row = from; row < to; ++row) {
+    const double* v = velocity_.data() + row * lanes_per_block;
+    for (std::size_t lane = 0; lane < lanes_per_block; ++lane) {
+      low[lane] = v[lane] < low[lane] ? v[lane] : low[lane];
+      high[lane] = v[lane] > high[lane] ? v[lane] : high[lane];
+    }
+  }
+  std::array<double, lanes_per_block> half;
+  for (std::size_t lane = 0; lane < lanes_per_block; ++lane)
+    half[lane] = (high[lane] - low[lane]) / 2;
+  return half;
+}
+
+}  // namespace gyrator

@@ -1,0 +1,300 @@
+// The sampled loop of many designs at once. Compiled once per instruction set, into the namespace
+// that LANE_NAMESPACE names; includes nothing whose inline functions could be taken for those of
+// another instruction set.
+
+#include "gyrator/lanes/lane_program.hpp"
+#include "gyrator/lanes/lane_vector.hpp"
+
+namespace gyrator::LANE_NAMESPACE {
+namespace {
+
+constexpr int groups = lanes_per_block / vector_width;
+constexpr int most_states = 64;  // of a size that is not fixed at compile time
+
+// Sizes that are not fixed at compile time, and the law whose state is the last sample, with one
+// gain on either: the wall of every textbook.
+constexpr int any_size = -1;
+constexpr int last_sample = -2;
+
+// One vector of lanes through one sample, in the order of every run (cosim/simulation.hpp): sample,
+// compute, convert, apply. `States` and `LawStates` are -1 where they are not fixed.
+template <int States, int LawStates, bool Shared>
+class Block {
+  static constexpr int together = Shared ? 2 : 1;
+
+ public:
+  Block(const LaneProgram& program, const LaneCoefficients& coefficients, const LaneState& state,
+        const LaneTraces& traces)
+      : p_(program),
+        c_(coefficients),
+        s_(state),
+        t_(traces),
+        n_(States == any_size ? program.states : States),
+        m_(LawStates == any_size      ? program.law_states
+           : LawStates == last_sample ? 1
+                                      : LawStates) {}
+
+  long run() {
+    const FlushTinyNumbers flush;
+    for (int lane = 0; lane < lanes_per_block; ++lane) {
+      t_.end[lane] = LaneEnd::ran_through;
+      t_.rows[lane] = p_.samples + 1;
+    }
+    Rows rows{t_.position, t_.velocity};
+    long k = 0;
+    while (k < p_.samples) {
+      // Looks come after steps 0, 16, 32 …
+      const long stop = k == 0 ? 1 : k + samples_between_looks;
+      const bool look = stop <= p_.samples;
+      advance(k, look ? stop : p_.samples, rows);
+      k = look ? stop : p_.samples;
+      if (look && !go_on(k)) return k;
+    }
+    for (int lane = 0; lane < lanes_per_block; lane += vector_width) record(rows, lane);
+    return k + 1;
+  }
+
+ private:
+  struct Rows {
+    double* position;
+    double* velocity;
+  };
+
+  int size() const { return States == any_size ? n_ : States; }
+  int law_size() const { return LawStates == any_size ? m_ : LawStates; }
+
+  Vector signal(int coordinate, int row, int lane) const {
+    if (coordinate >= 0) return load(s_.xi + coordinate * lanes_per_block + lane);
+    const int n = size();
+    const double* of = c_.signals + row * n * lanes_per_block + lane;
+    Vector sum = load(of) * load(s_.xi + lane);
+    for (int i = 1; i < n; ++i)
+      sum = multiply_add(load(of + i * lanes_per_block), load(s_.xi + i * lanes_per_block + lane),
+                         sum);
+    return sum;
+  }
+
+  void record(const Rows& rows, int lane) const {
+    store(rows.position + lane, signal(p_.position, 1, lane));
+    store(rows.velocity + lane, signal(p_.velocity, 2, lane));
+  }
+
+  static Vector quantize(Vector v, Vector quantum) {
+    return quantum * round_down(v / quantum + broadcast(0.5));
+  }
+
+  // What the lanes have in common, kept out of the loops by hand: for all the compiler knows, every
+  // store could change it.
+  struct Common {
+    bool quantized, converts, split;
+    Vector quantum, offset, dac_quantum, limit, threshold, most;
+  };
+
+  // Steps k up to `stop`.
+  void advance(long k, long stop, Rows& rows) const {
+    const Common common{p_.quantum > 0,
+                        p_.dac_quantum > 0,
+                        p_.split,
+                        broadcast(p_.quantum),
+                        broadcast(p_.offset),
+                        broadcast(p_.dac_quantum),
+                        broadcast(p_.dac_limit),
+                        broadcast(p_.contact_threshold),
+                        broadcast(p_.most_command)};
+    const bool delayed = p_.split || p_.whole_delay > 0;
+    const bool plain = p_.sensed >= 0 && p_.position == p_.sensed && p_.velocity >= 0 && !delayed &&
+                       !p_.noise && p_.offset == 0 && !common.converts && p_.dac_limit > 1.7e308;
+    const double* const efforts = p_.effort;
+    for (; k < stop; ++k) {
+      if (plain && efforts[k] == 0) {
+        step<true>(k, rows, common);
+      } else {
+        step<false>(k, rows, common);
+      }
+      rows.position += lanes_per_block;
+      rows.velocity += lanes_per_block;
+    }
+  }
+
+  // All lanes through sample k. Plain: the position is sensed as it is or quantized, nobody pushes,
+  // and the command acts at once as it is.
+  template <bool Plain>
+  void step(long k, const Rows& rows, const Common& common) const {
+    // Commands under way: slot k mod (m + 2) takes the one of sample k.
+    const long slots = p_.whole_delay + 2;
+    double* const sent = s_.commands + (Plain ? 0 : k % slots * lanes_per_block);
+    const double* const before = s_.commands + (Plain ? 0 : (k + 1) % slots * lanes_per_block);
+    const double* const arrived = s_.commands + (Plain ? 0 : (k + 2) % slots * lanes_per_block);
+    const Vector noise = broadcast(!Plain && p_.noise ? p_.noise[k] : 0);
+    const Vector effort = broadcast(Plain ? 0 : p_.effort[k]);
+    const double* const at_position = s_.xi + p_.position * lanes_per_block;
+    const double* const at_velocity = s_.xi + p_.velocity * lanes_per_block;
+    // Two passes: while the commands of all vectors are being computed, one operation after the
+    // other, the processor finds work in the second pass.
+    Vector commands[groups], held[groups];
+#pragma GCC unroll 8
+    for (int lane = 0; lane < lanes_per_block; lane += vector_width) {
+      Vector y;
+      if constexpr (Plain) {
+        y = load(at_position + lane);
+        store(rows.position + lane, y);
+        store(rows.velocity + lane, load(at_velocity + lane));
+      } else {
+        record(rows, lane);
+        y = signal(p_.sensed, 0, lane) + noise;
+      }
+      if (common.quantized) y = quantize(y, common.quantum);
+      if constexpr (!Plain) y += common.offset;
+      Vector command = compute(y, common, lane);
+      const int v = lane / vector_width;
+      if constexpr (!Plain) {
+        if (common.converts) command = quantize(command, common.dac_quantum);
+        command = smaller(larger(command, -common.limit), common.limit);
+        store(sent + lane, command);
+        // With slots for a whole number of periods and one more, the command of k - m.
+        if (p_.whole_delay > 0) command = load(arrived + lane);
+        held[v] = common.split ? load(before + lane) : Vector{};
+      }
+      commands[v] = command;
+    }
+    for (int v = 0; v < groups; v += together)
+      propagate<Plain>(v * vector_width, held + v, commands + v, effort);
+  }
+
+  // Command of the law, and its state one sample on.
+  Vector compute(Vector y, const Common& common, int lane) const {
+    const double* row = c_.law + lane;
+    const auto restrict = [&](Vector command) {
+      return keep_where(y > common.threshold, smaller(command, common.most));
+    };
+    if constexpr (LawStates == last_sample) {
+      double* const last = s_.law + lane;
+      const Vector command = multiply_add(load(row + 2 * lanes_per_block), load(last),
+                                          load(row + 3 * lanes_per_block) * y);
+      store(last, y);
+      return restrict(command);
+    }
+    const int m = law_size();
+    Vector q[LawStates >= 0 ? LawStates + 1 : most_states];
+    for (int j = 0; j < m; ++j) q[j] = load(s_.law + j * lanes_per_block + lane);
+    const auto apply = [&](int i) {
+      const double* entry = row + i * (m + 1) * lanes_per_block;
+      Vector sum = load(entry + m * lanes_per_block) * y;
+      for (int j = 0; j < m; ++j) sum = multiply_add(load(entry + j * lanes_per_block), q[j], sum);
+      return sum;
+    };
+    for (int i = 0; i < m; ++i) store(s_.law + i * lanes_per_block + lane, apply(i));
+    return restrict(apply(m));
+  }
+
+  // `Together` vectors at once, from `lane` on: with a plant that all lanes share, a coefficient is
+  // read once for them all.
+  template <bool Plain>
+  void propagate(int lane, const Vector* before, const Vector* applied, Vector effort) const {
+    const int n = size();
+    Vector xi[together][States > 0 ? States : most_states];
+    for (int v = 0; v < together; ++v) {
+      for (int i = 0; i < n; ++i)
+        xi[v][i] = load(s_.xi + i * lanes_per_block + lane + v * vector_width);
+    }
+    const double* entry = c_.propagate + (Shared ? 0 : lane);
+    constexpr int stride = Shared ? 1 : lanes_per_block;
+    for (int i = 0; i < n; ++i) {
+      Vector sum[together];
+      const Vector first = coefficient(entry);
+      for (int v = 0; v < together; ++v) sum[v] = first * xi[v][0];
+      const auto add = [&](const double* from, auto&& of) {
+        const Vector c = coefficient(from);
+        for (int v = 0; v < together; ++v) sum[v] = multiply_add(c, of(v), sum[v]);
+      };
+      for (int j = 1; j < n; ++j) add(entry + j * stride, [&](int v) { return xi[v][j]; });
+      entry += n * stride;
+      if constexpr (!Plain) add(entry, [&](int v) { return before[v]; });
+      add(entry + stride, [&](int v) { return applied[v]; });
+      if constexpr (!Plain) add(entry + 2 * stride, [&](int) { return effort; });
+      entry += 3 * stride;
+      for (int v = 0; v < together; ++v)
+        store(s_.xi + i * lanes_per_block + lane + v * vector_width, sum[v]);
+    }
+  }
+
+  static Vector coefficient(const double* from) {
+    return Shared ? broadcast(*from) : load(from);
+  }
+
+  // After `k` steps: whether any lane is still worth going on with.
+  bool go_on(long k) const {
+    const int n = size();
+    const double effort = p_.effort[k - 1];
+    const Vector moved = broadcast((effort < 0 ? -effort : effort) * p_.period);
+    const Vector ratio = broadcast(p_.runaway_ratio);
+    const bool starting = k - 1 <= samples_between_looks;
+    bool any = false;
+    for (int lane = 0; lane < lanes_per_block; lane += vector_width) {
+      Vector largest{}, finite{};
+      for (int i = 0; i < n; ++i) {
+        const Vector xi = load(s_.xi + i * lanes_per_block + lane);
+        largest = larger(magnitude(xi), largest);
+        finite += xi - xi;  // not a number where xi is not finite
+      }
+      Vector reference = larger(load(c_.pushing + lane) * moved, load(s_.reference + lane));
+      if (starting) reference = larger(largest, reference);
+      store(s_.reference + lane, reference);
+      const Mask runs = (finite == 0) & ((largest <= ratio * reference) | (reference == 0));
+      for (int i = 0; i < vector_width; ++i) {
+        LaneEnd& end = t_.end[lane + i];
+        if (runs[i] == 0 && end == LaneEnd::ran_through) {
+          end = LaneEnd::ran_away;
+          t_.rows[lane + i] = k;
+        }
+        any = any || end == LaneEnd::ran_through;
+      }
+    }
+    return any;
+  }
+
+  const LaneProgram& p_;
+  const LaneCoefficients& c_;
+  const LaneState& s_;
+  const LaneTraces& t_;
+  int n_, m_;
+};
+
+template <int States, int LawStates>
+long run(const LaneProgram& program, const LaneCoefficients& coefficients, const LaneState& state,
+         const LaneTraces& traces) {
+  return program.shared_plant
+             ? Block<States, LawStates, true>(program, coefficients, state, traces).run()
+             : Block<States, LawStates, false>(program, coefficients, state, traces).run();
+}
+
+template <int States>
+LaneKernel find_for_law(const LaneProgram& program) {
+  if (program.law_is_difference) return run<States, last_sample>;
+  return program.law_states == 0 ? run<States, 0> : run<States, any_size>;
+}
+
+}  // namespace
+
+LaneKernel find_kernel(const LaneProgram& program) {
+  switch (program.states) {
+    case 2:
+      return find_for_law<2>(program);
+    case 3:
+      return find_for_law<3>(program);
+    case 4:
+      return find_for_law<4>(program);
+    case 5:
+      return find_for_law<5>(program);
+    case 6:
+      return find_for_law<6>(program);
+    case 7:
+      return find_for_law<7>(program);
+    case 8:
+      return find_for_law<8>(program);
+    default:
+      return run<any_size, any_size>;
+  }
+}
+
+}  // namespace gyrator::LANE_NAMESPACE

@@ -1,0 +1,2 @@
+#define LANE_NAMESPACE lane_avx2
+#include "gyrator/lanes/lane_kernel.inl"

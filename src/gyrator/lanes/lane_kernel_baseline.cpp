@@ -1,0 +1,2 @@
+#define LANE_NAMESPACE lane_baseline
+#include "gyrator/lanes/lane_kernel.inl"
