@@ -107,8 +107,9 @@ CsvColumns read_csv(const std::string& path, const std::vector<std::string>& nam
   for (const std::string& name : names) {
     const auto found = std::find(known.begin(), known.end(), name);
     if (found == known.end()) {
-      throw Error(ErrorCode::bad_input, fmt::format("{}:{}", path, reader.line()),
-                  describe_unknown_name("column", name, known));
+      throw Error(
+          ErrorCode::bad_input, fmt::format("{}:{}", path, reader.line()),
+          fmt::format("no column '{}': there are: {}; needed: {}", name, join(known), join(names)));
     }
     if (std::find(found + 1, known.end(), name) != known.end()) {
       throw Error(ErrorCode::bad_input, place_of(path, reader.line(), name),
