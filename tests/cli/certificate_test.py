@@ -167,6 +167,38 @@ class TamperingTest(CertificateTest):
     def test_no_number_of_a_refutation_can_be_changed_and_signed_again(self):
         self.check_every_leaf(NOT_PASSIVE, resigned=True)
 
+    def test_a_law_with_a_resonance_between_the_sampled_frequencies_is_not_the_models(self):
+        certificate = self.certify(PASSIVE)
+        period = 1e-3
+        nyquist = math.pi / period
+        sampled = [nyquist * (i + 2) / 48 if i % 2 == 0 else nyquist * 10**(-4 * i / 48) for i in range(48)]
+        loop = certificate["loops"][0]
+        omega = max(loop["intervals"]["omega"], key=lambda w: min(abs(w - s) for s in sampled))
+        # c/(z - p) and its conjugate, |p| a billionth below one: at the middle of an interval a thousandth of H,
+        # at the frequencies of the other comparison less than they tell.
+        radius, angle = 1 - 1e-9, omega * period
+        law = loop["law"]
+        states = len(law["A"])
+        law["A"] = [row + [0, 0] for row in law["A"]]
+        law["A"] += [[0] * states + [2 * radius * math.cos(angle), -radius**2], [0] * states + [1, 0]]
+        law["B"] += [[1], [0]] if law["B"] and isinstance(law["B"][0], list) else [1, 0]
+        size = 1e-3 * math.hypot(loop["intervals"]["law_real"][0], loop["intervals"]["law_imag"][0])
+        more = [size * 1e-9 * 2 * math.sin(angle), 0]
+        law["C"] = [law["C"][0] + more] if isinstance(law["C"][0], list) else law["C"] + more
+        answer = self.verify(self.sign(certificate))
+        self.assertEqual(answer.code, 1, answer)
+        self.assertIn(f"loops/0/law: H at {omega:.6g} rad/s is off", answer.out)
+
+    def test_the_schema_says_what_it_must_be(self):
+        certificate = {**self.certify(PASSIVE), "schema": "gyrator/certificate/2"}
+        self.assertIn("schema: recorded gyrator/certificate/2: must be gyrator/certificate/1",
+                      self.verify(certificate).out)
+
+    def test_margins_have_the_models_unit(self):
+        answer = self.verify(self.certify(PASSIVE))
+        self.assertRegex(answer.out, r"margin at least \S+ N\.m\.s/rad between")
+        self.assertRegex(answer.out, r"claims \S+ N\.m\.s/rad\)")
+
     def test_a_curvature_that_claims_more_than_is_true_is_caught(self):
         certificate = self.certify(PASSIVE)
         intervals = certificate["loops"][0]["intervals"]

@@ -60,6 +60,19 @@ class EnvelopeTest(ProgramTest):
         self.assertEqual(answer.code, 0)
         self.assertIn("frequency_dependent is mistaken here", answer.out)
 
+    def test_the_text_has_units_and_says_what_the_criterion_asks_for(self):
+        text = self.run_program("zwidth", RC_DISPLAY, "--envelope", "--band", "1,10", "--cutoff", "50").out
+        self.assertIn("walls that exact_disk calls passive", text)
+        self.assertIn("K [N.m/rad] and B [N.m.s/rad], cut-off [Hz]", text)
+        text = self.run_program("zwidth", RC_DISPLAY, "--envelope", "--band", "1,10", "--criterion", "coupled").out
+        self.assertIn("that are stable with the model's operator (coupled)", text)
+        self.assertNotIn("calls passive", text)
+
+    def test_what_is_there_twice_is_refused(self):
+        for option, value, words in (("--damping", "0, 1e-4, 0.1 mN.m.s/rad", "0.1 mN.m.s/rad: is there twice"),
+                                     ("--criterion", "exact_disk,exact_disk", "exact_disk: is there twice")):
+            self.assert_refused(self.run_program("zwidth", RC_DISPLAY, option, value), option, words)
+
     def test_what_has_no_envelope_is_refused_in_words(self):
         for arguments, words in (
                 ((RC_DISPLAY, "--envelope", "--criterion", "exact_disk,coupled"), "by one criterion"),
@@ -101,7 +114,8 @@ class EnvironmentTest(ProgramTest):
         (self.folder / "short.csv").write_text("position,effort\n0,0\n")
         self.assert_refused(self.run_program("environment", "short.csv", "--model", P3), "at least two")
         (self.folder / "names.csv").write_text("x,effort\n0,0\n1,1\n")
-        self.assert_refused(self.run_program("environment", "names.csv", "--model", P3), "position")
+        self.assert_refused(self.run_program("environment", "names.csv", "--model", P3), "names.csv:1",
+                            "no column 'position': there are: x, effort; needed: position, effort")
         self.assert_refused(self.run_program("environment", CLICK), "--model")
         self.assert_refused(
             self.run_program("environment", CLICK, "--model", P3, "--coupling-damping", "0"), "must be above 0")
@@ -123,10 +137,16 @@ class WorkspaceTest(ProgramTest):
         answer = self.run_program("workspace", self.write_model(arm))
         self.assertEqual(answer.code, 0)
         self.assertNotIn("wanted", answer.out)
+        self.assertIn("largest isotropic [SI]", answer.out)
+        self.assertIn(" N.s/m (about an axis: N.m.s/rad)", answer.out)
+
+    def test_poses_have_their_names_below_the_figure(self):
+        self.run_program("workspace", ARM, "--svg", "arm.svg", "--quiet")
+        self.assertIn("elbow 90 deg", (self.folder / "arm.svg").read_text())
 
     def test_what_is_no_workspace_is_refused_with_its_place(self):
         arm = json.loads(ARM.read_text())
-        for key, value, words in (("joint_damping", ["1 mN.m.s/rad"], "1 dampings for 2 joints"),
+        for key, value, words in (("joint_damping", ["1 mN.m.s/rad"], "1 damping for 2 joints"),
                                   ("joint_damping", ["1 N.m", 1], "/joint_damping/0"),
                                   ("joint_damping", [0, 1], "above 0"),
                                   ("task_damping", [[1, 0.5], [0, 1]], "symmetric"),

@@ -161,8 +161,10 @@ class RecordingTest(HandTest):
                 self.refuse(self.model("time_s,torque\n" + rows), f'push.csv:{line}: column "{column}": ', said)
 
     def test_a_missing_file_or_column_is_refused_with_those_there_are(self):
-        self.refuse(self.model("time_s,torqe\n0,1\n1,2\n"), "push.csv:1", "'torque'", "did you mean 'torqe'?")
-        self.refuse(self.model("t,torque\n0,1\n1,2\n"), "push.csv:1", "'time_s'", "allowed: t, torque")
+        self.refuse(self.model("time_s,torqe\n0,1\n1,2\n"), "push.csv:1", "no column 'torque'",
+                    "'torqe' is nearly its name")
+        self.refuse(self.model("t,torque\n0,1\n1,2\n"), "push.csv:1", "no column 'time_s'",
+                    "there are: t, torque")
         self.refuse(self.model(""), "push.csv", "is empty")
         self.refuse(self.model("time_s,torque\n0,1\n1,2,5\n"), "push.csv:3", "3 fields", "the header has 2")
         self.refuse(self.model("time_s,torque,torque\n0,1,2\n"), 'push.csv:1: column "torque"', "two of this name")

@@ -25,6 +25,8 @@ class ToleranceTest(ProgramTest):
                 self.assertEqual((answer.code, answer.err), (code, ""), answer)
                 self.assertIn("P: " + words, answer.out)
                 self.assertIn("mechanics.damping", answer.out)
+                self.assertIn("; 1 part with a tolerance\n", answer.out)
+        self.assertIn("\n1 sample (uniform", self.run_program("tolerance", model, "--samples", 1).out)
 
     def test_a_guarantee_is_a_proof_or_parts_that_are_not_passive(self):
         for stiffness, code, words in ((1.59, 0, "guaranteed: PASSIVE with every choice of parts"),
@@ -39,6 +41,11 @@ class ToleranceTest(ProgramTest):
         self.assertAlmostEqual(guaranteed["at"]["mechanics.damping"], 0.8e-3, places=9)
         self.assertLess(guaranteed["margin"], 0)
         self.assertGreater(guaranteed["frequency_hz"], 0)
+
+    def test_the_parts_of_the_figure_have_their_names(self):
+        self.run_program("tolerance", EXAMPLE, "--samples", 5, "--svg", "t.svg", "--quiet")
+        figure = (self.folder / "t.svg").read_text()
+        self.assertIn(">motor.temperature_rise<", figure)
 
     def test_a_guarantee_that_runs_out_of_its_budget_says_so(self):
         # So near the limit of 1.6 that one box is too wide.
@@ -110,8 +117,10 @@ class ToleranceTest(ProgramTest):
         self.assertEqual(self.files(), [])
 
     def test_what_it_cannot_take_is_named(self):
-        self.assert_refused(self.run_program("tolerance", RC_DISPLAY), "no quantity has a tolerance",
-                            '"5 ohm ± 5 %"')
+        for options in ((), ("--guarantee",)):
+            answer = self.run_program("tolerance", RC_DISPLAY, *options)
+            self.assert_refused(answer, f"{RC_DISPLAY}: /: no quantity has a tolerance", '"5 ohm ± 5 %"')
+            self.assertEqual(answer.err.count(str(RC_DISPLAY)), 1)
         for text, words in (("1 mN.m.s/rad ± 120 %", "at its low end -"), ("1 mN.m.s/rad ± 5", "of what?"),
                             ("1 mN.m.s/rad +5 %", "to one side"), ("1 mN.m.s/rad ± 1 ohm", "this is a resistance")):
             model = self.write_model(plant(text))
@@ -130,6 +139,13 @@ class ToleranceTest(ProgramTest):
         self.write_model(plain, "b.json")
         limits = [self.ask("zwidth", name, "--damping", "0")["max_stiffness"] for name in ("a.json", "b.json")]
         self.assertEqual(limits[0], limits[1])
-        words = "the nominal values of 1 part with a tolerance"
-        self.assertIn(words, self.run_program("passivity", "a.json").out)
-        self.assertNotIn(words, self.run_program("passivity", "b.json").out)
+        words = "at the nominal values of 1 part with a tolerance: `gyrator tolerance` varies it."
+        (self.folder / "spring.csv").write_text("position,effort\n-1,-1\n1,1\n")
+        for command in (("passivity",), ("zwidth",), ("simulate",), ("impedance",), ("zwidth", "--envelope"),
+                        ("environment", "spring.csv", "--model")):
+            with self.subTest(command=command):
+                self.assertIn(words, self.run_program(*command, "a.json").out)
+                self.assertNotIn(words, self.run_program(*command, "b.json").out)
+        coupling = {"kind": "virtual_coupling", "coupling": {"stiffness": 0.1}, "tool": {"inertia": 1e-5}}
+        self.write_model({**toleranced, "controller": coupling}, "c.json")
+        self.assertIn(words, self.run_program("twoport", "c.json").out)

@@ -46,6 +46,25 @@ class RenderingTest(ProgramTest):
         self.assertAlmostEqual(abs(felt / given - 1), 0, places=9)
         self.assertAlmostEqual(result["transparency"][7], abs(felt / z), places=9)
 
+    def test_margins_have_units_of_an_impedance_an_admittance_and_none(self):
+        units = [condition["unit"] for condition in self.ask("twoport", TABLE_1)["conditions"]]
+        self.assertEqual(units, ["N.s/m", "m/(N.s)", "1"])
+        self.assertRegex(self.run_program("twoport", TABLE_1).out, r"Re h22 >= 0 .* m/\(N\.s\) ")
+        coupled = with_value(load_example(), "/controller", {
+            "kind": "virtual_coupling", "coupling": {"stiffness": 0.06, "damping": 1.5e-4}, "tool": {"inertia": 1e-5}})
+        units = [condition["unit"] for condition in self.ask("twoport", self.write_model(coupled))["conditions"]]
+        self.assertEqual(units, ["N.m.s/rad", "rad/(N.m.s)", "1"])
+
+    def test_what_would_do_nothing_is_refused(self):
+        self.assert_refused(self.run_program("twoport", TABLE_1, "--rendering", "direct,proxy,direct"), "--rendering",
+                            "direct: is there twice")
+        damping = ("--passivity-damping", "1 N.s/m")
+        self.assert_refused(self.run_program("twoport", TABLE_1, "--rendering", "proxy", *damping),
+                            "--passivity-damping", "proxy rendering")
+        self.assert_refused(self.run_program("twoport", TABLE_1, *damping), "--passivity-damping", "proxy rendering")
+        answer = self.run_program("twoport", TABLE_1, "--rendering", "proxy,direct", *damping)
+        self.assertIn(answer.code, (0, 1), answer)
+
     def test_csv_has_one_two_port_plain_and_several_by_name(self):
         self.run_program("twoport", TABLE_1, "--csv", "one.csv", "--points", "5", "--quiet")
         self.run_program("twoport", TABLE_1, "--rendering", "proxy,direct", "--csv", "two.csv", "--points", "5",

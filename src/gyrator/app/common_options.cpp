@@ -6,6 +6,7 @@
 #include "gyrator/plots/plot.hpp"
 #include "gyrator/studies/result_figures.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -120,19 +121,46 @@ void deliver(const CommonOptions& options, nlohmann::json result, const std::str
   }
 }
 
+std::string describe_nominal_values(const Model& model, const char* judged) {
+  const std::size_t parts = model.parts.tolerances.size();
+  if (parts == 0) return {};
+  return fmt::format(
+      "\n{} at the nominal values of {} with a tolerance: `gyrator tolerance` varies {}.\n", judged,
+      describe_count(parts, "part"), parts == 1 ? "it" : "them");
+}
+
 std::string describe_frequency(double hz) {
   if (hz < 1e-3) return "-> 0 Hz";
   return format_quantity(std::strtod(fmt::format("{:.4g}", hz).c_str(), nullptr),
                          dimension::frequency);
 }
 
+std::vector<std::string> split_list(const std::string& text) {
+  std::vector<std::string> items;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', at), text.size());
+    items.emplace_back(trim(std::string_view(text).substr(at, comma - at)));
+    at = comma + 1;
+  }
+  return items;
+}
+
+std::vector<std::string> parse_names(const std::string& option, const std::string& text) {
+  std::vector<std::string> names = split_list(text);
+  if (const auto twice = find_repeated(names))
+    throw Error(ErrorCode::bad_input, option, *twice + ": is there twice: once is enough");
+  return names;
+}
+
 std::vector<double> parse_list(const std::string& option, const std::string& text,
                                const Unit& unit) {
   std::vector<double> values;
-  for (std::size_t at = 0; at <= text.size();) {
-    const std::size_t comma = std::min(text.find(',', at), text.size());
-    values.push_back(parse_option(option, text.substr(at, comma - at), unit));
-    at = comma + 1;
+  for (const std::string& item : split_list(text)) {
+    const double value = parse_option(option, item, unit);
+    if (std::find(values.begin(), values.end(), value) != values.end())
+      throw Error(ErrorCode::bad_input, option,
+                  fmt::format("{}: is there twice: once is enough", trim(item)));
+    values.push_back(value);
   }
   return values;
 }

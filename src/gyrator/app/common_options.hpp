@@ -2,6 +2,7 @@
 
 #include "gyrator/core/quantity.hpp"
 #include "gyrator/core/rational.hpp"
+#include "gyrator/studies/model_file.hpp"
 
 #include <string>
 #include <vector>
@@ -43,11 +44,22 @@ void check_files(const std::vector<NamedFile>& inputs, const std::vector<NamedFi
 /// Plots, the result file, and on stdout `text` or, with --json, the result.
 void deliver(const CommonOptions& options, nlohmann::json result, const std::string& text);
 
+/// A line that says how many quantities of the model have a tolerance, which this command leaves
+/// out; empty where none has. `judged`: "Judged", "Simulated".
+std::string describe_nominal_values(const Model& model, const char* judged = "Computed");
+
 /// A frequency with four digits for tables and sentences. Far below the slowest pole it stands for
 /// the limit at zero.
 std::string describe_frequency(double hz);
 
-/// "1, 10, 2 kHz" as numbers in the expected unit; bare numbers are SI. Errors name the option.
+/// The items between commas, without the blanks around them.
+std::vector<std::string> split_list(const std::string& text);
+
+/// The same as names; refuses one that is there twice, naming the option.
+std::vector<std::string> parse_names(const std::string& option, const std::string& text);
+
+/// "1, 10, 2 kHz" as numbers in the expected unit; bare numbers are SI, none twice. Errors name the
+/// option.
 std::vector<double> parse_list(const std::string& option, const std::string& text,
                                const Unit& unit);
 double parse_option(const std::string& option, const std::string& text, const Unit& unit);

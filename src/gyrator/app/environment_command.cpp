@@ -54,7 +54,7 @@ std::string describe(const Model& model, const nlohmann::json& result) {
     text += fmt::format("The efforts may be {:.4g} times these.\n",
                         result["effort_factor"].get<double>());
   }
-  return text + describe_linear_range(model, result);
+  return text + describe_linear_range(model, result) + describe_nominal_values(model);
 }
 
 void run(const Options& options, int& exit_code) {

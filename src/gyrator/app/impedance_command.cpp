@@ -77,7 +77,8 @@ std::string describe(const Model& model, const nlohmann::json& result, bool verb
         "plot.\n",
         frequency.size());
   }
-  return text + describe_linear_range(model, result) + describe_stability_edges(model, result);
+  return text + describe_linear_range(model, result) + describe_stability_edges(model, result) +
+         describe_nominal_values(model);
 }
 
 void run(const Options& options) {

@@ -1,3 +1,4 @@
+#include "gyrator/core/text.hpp"
 #include "gyrator/documents/csv.hpp"
 #include "gyrator/documents/output_file.hpp"
 #include "gyrator/studies/certificate.hpp"
@@ -132,15 +133,12 @@ std::string describe(const Model& model, const nlohmann::json& result, const Opt
                     describe_limit(c["max_stiffness"], units.stiffness));
   }
   if (const auto& proof = result["proof"]; proof["outcome"] == "proved") {
-    text += fmt::format(
-        "\nproved at every frequency, between the points too: {} intervals, margin at least {}\n",
-        proof["intervals"].get<int>(), format_quantity(proof["lowest_margin"], units.damping));
+    text +=
+        fmt::format("\nproved at every frequency, between the points too: {}, margin at least {}\n",
+                    describe_count(proof["intervals"], "interval"),
+                    format_quantity(proof["lowest_margin"], units.damping));
   }
-  if (const std::size_t parts = model.parts.tolerances.size(); parts > 0) {
-    text += fmt::format(
-        "\nJudged at the nominal values of {} with a tolerance: `gyrator tolerance` varies {}.\n",
-        parts == 1 ? "1 part" : fmt::format("{} parts", parts), parts == 1 ? "it" : "them");
-  }
+  text += describe_nominal_values(model, "Judged");
   if (result.contains("minimum_mass")) text += describe_minimum_mass(result["minimum_mass"], units);
   std::string notes;
   const std::string explanation = result["explanation"];

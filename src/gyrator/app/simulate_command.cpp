@@ -60,8 +60,8 @@ std::string describe(const Model& model, const nlohmann::json& result, bool verb
   const MotionUnits& units = units_of(model.device.motion);
   const auto& e = result["energy"];
   std::string text = fmt::format(
-      "{}: {}\n{} samples, {:g} s, engine {}{}\n\nenergy ledger [J]\n", model.name,
-      describe_outcome(result, units), result["steps"].get<long>(),
+      "{}: {}\n{}, {:g} s, engine {}{}\n\nenergy ledger [J]\n", model.name,
+      describe_outcome(result, units), describe_count(result["steps"], "sample"),
       result["final_time_s"].get<double>(), result["engine"].get<std::string>(),
       result["nonlinear_element"].is_null()
           ? ""
@@ -87,7 +87,7 @@ std::string describe(const Model& model, const nlohmann::json& result, bool verb
         result["growth"].get<double>(), describe_frequency(oscillation["frequency_hz"]),
         format_quantity(oscillation["amplitude"], units.position));
   }
-  return text;
+  return text + describe_nominal_values(model, "Simulated");
 }
 
 // The run up to its failure, in the files that were asked for; then the failure itself.

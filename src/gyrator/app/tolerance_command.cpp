@@ -1,4 +1,5 @@
 #include "gyrator/core/quantity.hpp"
+#include "gyrator/core/text.hpp"
 #include "gyrator/documents/csv.hpp"
 #include "gyrator/studies/motion_terms.hpp"
 #include "gyrator/studies/tolerance_guarantee.hpp"
@@ -53,11 +54,11 @@ std::string per_cent(double share) {
 }
 
 std::string describe_samples(const json& samples, const Unit& stiffness) {
-  std::string text =
-      fmt::format("\n{} samples ({}, seed {}): passive in {} (95 % interval {} to {})\n",
-                  samples["count"].get<std::size_t>(), samples["distribution"].get<std::string>(),
-                  samples["seed"].get<std::uint64_t>(), per_cent(samples["yield"]),
-                  per_cent(samples["yield_low"]), per_cent(samples["yield_high"]));
+  std::string text = fmt::format("\n{} ({}, seed {}): passive in {} (95 % interval {} to {})\n",
+                                 describe_count(samples["count"], "sample"),
+                                 samples["distribution"].get<std::string>(),
+                                 samples["seed"].get<std::uint64_t>(), per_cent(samples["yield"]),
+                                 per_cent(samples["yield_low"]), per_cent(samples["yield_high"]));
   for (const auto& [name, words] : {std::pair{"too_stiff", "the wall is too stiff"},
                                     std::pair{"no_stiffness", "no stiffness is passive"},
                                     std::pair{"device_active", "the device supplies energy"},
@@ -113,12 +114,12 @@ std::string describe(const Model& model, const json& result) {
   const json& nominal = result["nominal"];
   const json& worst = result["worst"];
   std::string text = fmt::format(
-      "{}: {}\nwall: K = {}, B = {}; {} parts with tolerances\n\nlargest passive K (exact disk)\n",
-      model.name,
+      "{}: {}\nwall: K = {}, B = {}; {}\n\nlargest passive K (exact disk)\n", model.name,
       result["robust"].get<bool>() ? "PASSIVE in every sample and at the worst case found"
                                    : "NOT PASSIVE with every choice of parts",
       format_quantity(result["stiffness"], units.stiffness),
-      format_quantity(result["virtual_damping"], units.damping), result["parts"].size());
+      format_quantity(result["virtual_damping"], units.damping),
+      describe_count(result["parts"].size(), "part with a tolerance", "parts with tolerances"));
   text += fmt::format("  nominal      {:>16}   {}\n",
                       describe_limit(nominal["max_stiffness"], units.stiffness),
                       describe_outcome(nominal, units.damping));
@@ -131,19 +132,22 @@ std::string describe(const Model& model, const json& result) {
 
 std::string describe_guarantee(const Model& model, const json& guaranteed) {
   const std::string verdict = guaranteed["verdict"];
-  const std::string size = fmt::format("{} boxes of parts, {} intervals of frequency",
-                                       guaranteed["boxes"].get<std::size_t>(),
-                                       guaranteed["intervals"].get<std::size_t>());
+  const std::string size = fmt::format(
+      "{}, {}", describe_count(guaranteed["boxes"], "box of parts", "boxes of parts"),
+      describe_count(guaranteed["intervals"], "interval of frequency", "intervals of frequency"));
   if (verdict == "passive")
     return fmt::format("\nguaranteed: PASSIVE with every choice of parts ({})\n", size);
-  std::string text = verdict == "not_passive"
-                         ? fmt::format("\nguaranteed: NOT PASSIVE, margin {} at {:.4g} Hz with\n",
-                                       format_quantity(guaranteed["margin"],
-                                                       units_of(model.device.motion).damping),
-                                       guaranteed["frequency_hz"].get<double>())
-                         : fmt::format("\nguaranteed: UNDECIDED, {} ({}), at {:.4g} Hz near\n",
-                                       guaranteed["reason"].get<std::string>(), size,
-                                       guaranteed["frequency_hz"].get<double>());
+  const Unit& damping = units_of(model.device.motion).damping;
+  std::string text =
+      verdict == "not_passive"
+          ? fmt::format("\nguaranteed: NOT PASSIVE, {} at {:.4g} Hz with\n",
+                        guaranteed["margin"].is_null()
+                            ? guaranteed["reason"].get<std::string>()
+                            : "margin " + format_quantity(guaranteed["margin"], damping),
+                        guaranteed["frequency_hz"].get<double>())
+          : fmt::format("\nguaranteed: UNDECIDED, {} ({}), at {:.4g} Hz near\n",
+                        guaranteed["reason"].get<std::string>(), size,
+                        guaranteed["frequency_hz"].get<double>());
   for (const Tolerance& t : model.parts.tolerances) {
     if (guaranteed["at"].contains(t.name))
       text += fmt::format("  {} = {}\n", t.name, format_quantity(guaranteed["at"][t.name], t.unit));

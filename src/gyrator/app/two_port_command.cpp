@@ -32,16 +32,6 @@ constexpr std::array<const char*, 12> columns{
     "h11_real", "h11_imag", "h12_real", "h12_imag",         "h21_real",         "h21_imag",
     "h22_real", "h22_imag", "margin",   "transmitted_real", "transmitted_imag", "transparency"};
 
-std::vector<std::string> split(const std::string& list) {
-  std::vector<std::string> names;
-  for (std::size_t at = 0; at <= list.size();) {
-    const std::size_t comma = std::min(list.find(',', at), list.size());
-    names.emplace_back(trim(std::string_view(list).substr(at, comma - at)));
-    at = comma + 1;
-  }
-  return names;
-}
-
 double time_of(const std::string& option, const std::string& text) {
   return text.empty() ? 0 : parse_option_time(option, text).to_double();
 }
@@ -100,7 +90,8 @@ json analyse(const Options& options, const Model& model) {
   const Sensing sensing = by_position ? Sensing::position : Sensing::velocity;
   if (options.remote.empty()) {
     TwoPortRequest request;
-    if (!options.renderings.empty()) request.renderings = split(options.renderings);
+    if (!options.renderings.empty())
+      request.renderings = parse_names("--rendering", options.renderings);
     request.sensing = sensing;
     if (!options.passivity_damping.empty())
       request.passivity_damping =
@@ -130,16 +121,24 @@ std::string describe_bands(const json& condition) {
   return text;
 }
 
+// The third condition's is a pure number.
+std::string describe_margin(const json& condition) {
+  const std::string unit = condition["unit"];
+  const json& margin = condition["margin"];
+  return fmt::format("{:.5g}{}{}", margin.is_null() ? INFINITY : margin.get<double>(),
+                     unit == "1" ? "" : " ", unit == "1" ? "" : unit);
+}
+
 std::string describe_conditions(const json& result, const MotionUnits& units) {
-  std::string text = fmt::format("{:<21} {:<44} {:>6} {:>12} {:>12}  {}\n", "two-port", "condition",
+  std::string text = fmt::format("{:<21} {:<44} {:>6} {:>21} {:>12}  {}\n", "two-port", "condition",
                                  "holds", "margin", "lowest at", "violated");
   for (const auto& part : result["renderings"]) {
     for (const auto& condition : part["conditions"])
       text += fmt::format(
-          "{:<21} {:<44} {:>6} {:>12.5g} {:>12}  {}\n", part["rendering"].get<std::string>(),
+          "{:<21} {:<44} {:>6} {:>21} {:>12}  {}\n", part["rendering"].get<std::string>(),
           condition["condition"].get<std::string>(), condition["holds"].get<bool>() ? "yes" : "no",
-          condition["margin"].is_null() ? INFINITY : condition["margin"].get<double>(),
-          describe_frequency(condition["worst_frequency_hz"]), describe_bands(condition));
+          describe_margin(condition), describe_frequency(condition["worst_frequency_hz"]),
+          describe_bands(condition));
     const json& felt = part["least_felt_damping"];
     text += fmt::format(
         "{:<21} least damping felt in front of any passive environment: {} at {}\n",
@@ -220,7 +219,7 @@ std::string describe(const Model& model, const json& result, bool verbose) {
       describe_frequency(result["nyquist_hz"]), result["sensing"].get<std::string>());
   return text + describe_conditions(result, units_of(model.device.motion)) +
          describe_transparency(result, verbose) +
-         describe_limits(result, units_of(model.device.motion));
+         describe_limits(result, units_of(model.device.motion)) + describe_nominal_values(model);
 }
 
 // One two-port under the plain names, several each under its own.

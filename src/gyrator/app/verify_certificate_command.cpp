@@ -1,3 +1,4 @@
+#include "gyrator/core/text.hpp"
 #include "gyrator/documents/json_text.hpp"
 #include "gyrator/studies/certificate_verification.hpp"
 
@@ -17,7 +18,7 @@ struct Options {
   bool json = false;
 };
 
-std::string describe_loop(const CertificateVerification::Loop& loop) {
+std::string describe_loop(const CertificateVerification::Loop& loop, const std::string& unit) {
   const CheckedLoop& found = loop.found;
   const std::string disks =
       found.widest > 0
@@ -25,14 +26,17 @@ std::string describe_loop(const CertificateVerification::Loop& loop) {
                         100 * (found.widest - 1))
           : "its law commands nothing, so that no disk matters";
   return fmt::format(
-      "  {}: stable with nothing attached (spectral radius {:.9g}); {} intervals cover (0, pi/T];\n"
+      "  {}: stable with nothing attached (spectral radius {:.9g}); {} (0, pi/T];\n"
       "    {};\n"
-      "    margin at least {:.6g} between the points too, by {} enclosures of its own{}\n"
-      "    (the certificate claims {:.6g})\n",
-      loop.name, found.spectral_radius, found.intervals, disks, found.smallest_margin,
-      found.enclosures,
+      "    margin at least {:.6g} {} between the points too, by {} of its own{}\n"
+      "    (the certificate claims {:.6g} {})\n",
+      loop.name, found.spectral_radius,
+      describe_count(static_cast<std::size_t>(found.intervals), "interval covers",
+                     "intervals cover"),
+      disks, found.smallest_margin, unit,
+      describe_count(static_cast<std::size_t>(found.enclosures), "enclosure"),
       found.to_zero ? ", down to zero frequency" : "; and below them to the limit",
-      loop.recorded_lowest_margin);
+      loop.recorded_lowest_margin, unit);
 }
 
 std::string describe(const CertificateVerification& v, const std::string& file, double seconds) {
@@ -43,7 +47,7 @@ std::string describe(const CertificateVerification& v, const std::string& file, 
   text += fmt::format(
       "  digest, and the device and law against the model's (within {:.1g} and {:.1g})\n",
       v.device_difference, v.law_difference);
-  for (const auto& loop : v.loops) text += describe_loop(loop);
+  for (const auto& loop : v.loops) text += describe_loop(loop, v.damping_unit);
   if (v.refutation == "operator") text += "  the operator makes the loop diverge\n";
   if (v.refutation == "uncoupled") text += "  the loop diverges with nothing attached\n";
   if (v.refutation == "device") text += "  the bare device supplies energy at that frequency\n";

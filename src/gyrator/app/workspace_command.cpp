@@ -25,20 +25,22 @@ std::string describe(const nlohmann::json& result) {
   std::size_t width = 4;
   for (const auto& pose : result["poses"])
     width = std::max(width, pose["name"].get<std::string>().size());
-  text += fmt::format("\n\n{:<{}}  {:>20}", "pose", width, "largest isotropic");
+  text += fmt::format("\n\n{:<{}}  {:>22}", "pose", width, "largest isotropic [SI]");
   if (judged)
-    text += fmt::format("  {:>18}  {:>16}  {}", "least eigenvalue", "of the wanted", "enough");
+    text +=
+        fmt::format("  {:>21}  {:>16}  {}", "least eigenvalue [SI]", "times the wanted", "enough");
   for (const auto& pose : result["poses"]) {
-    text += fmt::format("\n{:<{}}  {:>20}", pose["name"].get<std::string>(), width,
+    text += fmt::format("\n{:<{}}  {:>22}", pose["name"].get<std::string>(), width,
                         describe_number(pose["largest_isotropic"]));
     if (!judged) continue;
-    text += fmt::format("  {:>18.6g}  {:>16}  {}", pose["least_eigenvalue"].get<double>(),
+    text += fmt::format("  {:>21.6g}  {:>16}  {}", pose["least_eigenvalue"].get<double>(),
                         describe_number(pose["allowed_factor"]),
                         pose["holds"].get<bool>() ? "yes" : "no");
   }
   text += fmt::format(
-      "\n\nIn every direction and at every pose the joints give a damping of {} (SI); least at the "
-      "pose {}.\n",
+      "\n\nIn every direction and at every pose the joints give a damping of {} N.s/m (about an "
+      "axis: "
+      "N.m.s/rad); least at the pose {}.\n",
       describe_number(result["largest_isotropic"]),
       result["largest_isotropic_at"].get<std::string>());
   if (judged) {

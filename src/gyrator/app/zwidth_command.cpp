@@ -45,10 +45,7 @@ Criteria parse_criteria(const std::string& text) {
   for (const auto& c : criterion_names()) known.emplace_back(c.name);
   known.emplace_back(time_criterion);
   Criteria criteria;
-  for (std::size_t at = 0; at <= text.size();) {
-    const std::size_t comma = std::min(text.find(',', at), text.size());
-    const std::string name(trim(std::string_view(text).substr(at, comma - at)));
-    at = comma + 1;
+  for (const std::string& name : parse_names("--criterion", text)) {
     const auto found = std::find(known.begin(), known.end(), name);
     if (found == known.end()) {
       throw Error(ErrorCode::bad_input, "--criterion",
@@ -58,11 +55,8 @@ Criteria parse_criteria(const std::string& text) {
       criteria.time = true;
       continue;
     }
-    const Criterion criterion =
-        criterion_names()[static_cast<std::size_t>(found - known.begin())].criterion;
-    const bool is_new =
-        std::find(criteria.list.begin(), criteria.list.end(), criterion) == criteria.list.end();
-    if (is_new) criteria.list.push_back(criterion);
+    criteria.list.push_back(
+        criterion_names()[static_cast<std::size_t>(found - known.begin())].criterion);
   }
   return criteria;
 }
@@ -131,7 +125,7 @@ std::string describe(const Model& model, const nlohmann::json& result, bool verb
   for (const auto& b : result["boundaries"]) {
     if (b.contains("map")) text += describe_map(b);
   }
-  return text + describe_linear_range(model, result);
+  return text + describe_linear_range(model, result) + describe_nominal_values(model);
 }
 
 std::vector<Criterion> choose_envelope_criterion(const Options& options) {
@@ -176,11 +170,16 @@ std::string describe_wall(const nlohmann::json& walls, std::size_t i) {
 std::string describe_envelope(const Model& model, const nlohmann::json& result, bool verbose) {
   const MotionUnits& units = units_of(model.device.motion);
   const bool cutoffs = result["at_impedance_max"].contains("cutoff_hz");
+  const std::string criterion = result["criterion"];
+  const std::string walls = criterion == name_of(Criterion::coupled)
+                                ? "that are stable with the model's operator (coupled)"
+                                : fmt::format("that {} calls passive", criterion);
   std::string text = fmt::format(
-      "{}: what the walls that {} calls passive display at the port, |Z| [{}]\n\n{:>10} {:>10} "
-      "{:>10} {:>10}   {:<{}}   {}\n",
-      model.name, result["criterion"].get<std::string>(), units.damping.symbol, "Hz", "smallest",
-      "bare", "largest", cutoffs ? "smallest: K, B, cut-off" : "smallest: K, B", cutoffs ? 30 : 21,
+      "{}: what the walls {} display at the port, |Z| [{}],\nand the walls that do, K [{}] and B "
+      "[{}]{}\n\n{:>10} {:>10} {:>10} {:>10}   {:<{}}   {}\n",
+      model.name, walls, units.damping.symbol, units.stiffness.symbol, units.damping.symbol,
+      cutoffs ? ", cut-off [Hz]" : "", "Hz", "smallest", "bare", "largest",
+      cutoffs ? "smallest: K, B, cut-off" : "smallest: K, B", cutoffs ? 30 : 21,
       cutoffs ? "largest: K, B, cut-off" : "largest: K, B");
   const std::size_t rows = result["frequency_hz"].size();
   const std::size_t stride = verbose ? 1 : std::max<std::size_t>(1, (rows + 23) / 24);
@@ -203,9 +202,10 @@ std::string describe_envelope(const Model& model, const nlohmann::json& result, 
       number(areas["logarithmic"]));
   if (areas["logarithmic"].is_null()) {
     text += fmt::format(
-        "{} is mistaken here: among its walls are some that display no impedance at all, or one "
-        "without bound, which no passive wall does\n",
-        result["criterion"].get<std::string>());
+        "{}: among these walls are some that display no impedance at all, or one without bound, "
+        "which no passive wall does\n",
+        criterion == name_of(Criterion::coupled) ? "stable is not passive"
+                                                 : criterion + " is mistaken here");
   }
   for (const auto& region : result["regions"]) {
     text += fmt::format("area below the K-B boundary, B >= 0{}: {:.4g} {} x {}\n",
@@ -214,7 +214,7 @@ std::string describe_envelope(const Model& model, const nlohmann::json& result, 
                             : fmt::format(", cut-off {:g} Hz", region["cutoff_hz"].get<double>()),
                         region["area"].get<double>(), units.stiffness.symbol, units.damping.symbol);
   }
-  return text + describe_linear_range(model, result);
+  return text + describe_linear_range(model, result) + describe_nominal_values(model);
 }
 
 void write_envelope_csv(const std::string& path, const nlohmann::json& result) {
@@ -264,16 +264,12 @@ std::vector<double> parse_rows(const Options& options, const Unit& unit) {
 std::vector<MapGesture> parse_gestures(const std::string& text) {
   const std::vector<std::string> known{"model", "hit", "hold"};
   std::vector<MapGesture> gestures;
-  for (std::size_t at = 0; !text.empty() && at <= text.size();) {
-    const std::size_t comma = std::min(text.find(',', at), text.size());
-    const std::string name(trim(std::string_view(text).substr(at, comma - at)));
-    at = comma + 1;
+  if (text.empty()) return gestures;
+  for (const std::string& name : parse_names("--gesture", text)) {
     const auto found = std::find(known.begin(), known.end(), name);
     if (found == known.end())
       throw Error(ErrorCode::bad_input, "--gesture", describe_unknown_name("gesture", name, known));
-    const auto gesture = static_cast<MapGesture>(found - known.begin());
-    if (std::find(gestures.begin(), gestures.end(), gesture) == gestures.end())
-      gestures.push_back(gesture);
+    gestures.push_back(static_cast<MapGesture>(found - known.begin()));
   }
   return gestures;
 }

@@ -81,6 +81,20 @@ std::string join(const std::vector<std::string>& parts, std::string_view separat
   return text;
 }
 
+std::string describe_count(std::size_t count, std::string_view singular, std::string_view plural) {
+  std::string text = std::to_string(count) + " ";
+  if (count == 1) return text.append(singular);
+  if (plural.empty()) return text.append(singular).append("s");
+  return text.append(plural);
+}
+
+std::optional<std::string> find_repeated(std::vector<std::string> names) {
+  std::sort(names.begin(), names.end());
+  const auto twice = std::adjacent_find(names.begin(), names.end());
+  if (twice == names.end()) return std::nullopt;
+  return *twice;
+}
+
 std::string format_number(double value) {
   std::array<char, 32> buffer{};  // the longest double, -2.2250738585072014e-308, has 24 characters
   const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);

@@ -26,6 +26,13 @@ std::string describe_unknown_name(std::string_view what, std::string_view given,
 /// The parts, one after another with the separator between.
 std::string join(const std::vector<std::string>& parts, std::string_view separator = ", ");
 
+/// "1 part", "3 parts"; the plural where adding an s is not enough: "2 boxes".
+std::string describe_count(std::size_t count, std::string_view singular,
+                           std::string_view plural = {});
+
+/// The first name that the list has twice; nothing where every one is there once.
+std::optional<std::string> find_repeated(std::vector<std::string> names);
+
 /// The shortest decimal text that reads back as the same double: "0.1", "2e-05", "-0".
 std::string format_number(double value);
 

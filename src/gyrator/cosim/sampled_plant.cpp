@@ -79,6 +79,17 @@ double compute_spectral_radius(const MatrixXd& loop) {
   return compute_poles(loop).cwiseAbs().maxCoeff();
 }
 
+MatrixXd build_device_loop(const Device& device, const Operator& held_by, const Sampling& sampling,
+                           const DiscreteStateSpace& law) {
+  const Plant plant = build_plant(build_device_network(device, held_by));
+  return build_loop_matrix(sample_plant(plant, sampling), law);
+}
+
+double compute_loop_radius(const Device& device, const Operator& held_by, const Sampling& sampling,
+                           const DiscreteStateSpace& law) {
+  return compute_spectral_radius(build_device_loop(device, held_by, sampling, law));
+}
+
 DominantPole find_dominant_pole(const MatrixXd& loop, double period) {
   const Eigen::VectorXcd poles = compute_poles(loop);
   Index at = 0;

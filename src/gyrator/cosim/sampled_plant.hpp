@@ -38,6 +38,12 @@ Eigen::MatrixXd build_loop_matrix(const SampledPlant& plant, const DiscreteState
 /// Largest eigenvalue magnitude; above one the loop diverges.
 double compute_spectral_radius(const Eigen::MatrixXd& loop);
 
+/// The same of a device held by `held_by`, from the start; throws as sample_plant does.
+Eigen::MatrixXd build_device_loop(const Device& device, const Operator& held_by,
+                                  const Sampling& sampling, const DiscreteStateSpace& law);
+double compute_loop_radius(const Device& device, const Operator& held_by, const Sampling& sampling,
+                           const DiscreteStateSpace& law);
+
 struct DominantPole {
   double magnitude = 0;
   double frequency_hz = 0;

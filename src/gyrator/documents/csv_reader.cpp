@@ -107,8 +107,11 @@ CsvColumns read_csv(const std::string& path, const std::vector<std::string>& nam
   for (const std::string& name : names) {
     const auto found = std::find(known.begin(), known.end(), name);
     if (found == known.end()) {
+      const auto nearest = find_nearest_name(name, known);
+      const std::string near = nearest ? fmt::format("; '{}' is nearly its name", *nearest) : "";
       throw Error(ErrorCode::bad_input, fmt::format("{}:{}", path, reader.line()),
-                  describe_unknown_name("column", name, known));
+                  fmt::format("no column '{}': there are: {}; needed: {}{}", name, join(known),
+                              join(names), near));
     }
     if (std::find(found + 1, known.end(), name) != known.end()) {
       throw Error(ErrorCode::bad_input, place_of(path, reader.line(), name),

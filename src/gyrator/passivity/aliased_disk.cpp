@@ -1,6 +1,7 @@
 #include "gyrator/passivity/aliased_disk.hpp"
 
 #include "gyrator/core/plain_complex.hpp"
+#include "gyrator/cosim/hold.hpp"
 #include "gyrator/passivity/tail_quadrature.hpp"
 
 #include <algorithm>
@@ -40,18 +41,6 @@ std::array<QuadratureNode, Points> gauss_nodes(double from, double to) {
   return nodes;
 }
 
-// Fastest resonance that the sampling cannot take for smooth: real poles, and resonances as wide as
-// a few sampling frequencies (an operational amplifier's), need no direct terms.
-double find_fastest_resonance(const Eigen::VectorXcd& poles, double sampling_frequency) {
-  constexpr double smooth_width = 4;  // in sampling frequencies
-  double fastest = 0;
-  for (const auto& pole : poles) {
-    const bool narrow = std::abs(pole.real()) < smooth_width * sampling_frequency;
-    if (is_resonance(pole) && narrow) fastest = std::max(fastest, std::abs(pole));
-  }
-  return fastest;
-}
-
 }  // namespace
 
 AliasedDisk::AliasedDisk(const Device& device, const Sampling& sampling)
@@ -59,9 +48,7 @@ AliasedDisk::AliasedDisk(const Device& device, const Sampling& sampling)
   split_ = split_delay(sampling);
   whole_delay_ = split_.rest == 0;
   const double sampling_frequency = 2 * std::numbers::pi / period_;
-  const double beyond_resonance =
-      2 * find_fastest_resonance(model_.poles(), sampling_frequency) / sampling_frequency;
-  aliases_ = std::clamp(static_cast<int>(std::min(beyond_resonance, 1e6)) + 1,
+  aliases_ = std::clamp(count_resonant_aliases(model_.poles(), sampling_frequency),
                         whole_delay_ ? fewest_aliases : fewest_aliases_oscillating, most_aliases);
   least_.value = infinity;
   prepare_tail();
@@ -78,12 +65,6 @@ Complex AliasedDisk::sum_feedthrough(double omega, Complex base_weight) const {
       std::polar(1.0, -omega * period_ * (static_cast<double>(split_.whole) + 0.5));
   const Complex all = late * held / Complex(0, 2 * std::sin(omega * period_ / 2));
   return model_.blocked_feedthrough() * (all - base_weight);
-}
-
-// (1 - e^(-jwT)) / T of (disk-1), without the difference; the same at every alias.
-Complex AliasedDisk::hold_factor(double omega) const {
-  const double half = omega * period_ / 2;
-  return Complex(0, 2 * std::sin(half)) * std::polar(1.0, -half) / period_;
 }
 
 void AliasedDisk::note_damping(const PortResponse& response) {
@@ -122,7 +103,8 @@ void AliasedDisk::prepare_tail() {
 
 AliasedDisk::Terms AliasedDisk::collect(double omega) {
   const double sampling_frequency = 2 * std::numbers::pi / period_;
-  const Complex hold = hold_factor(omega);
+  // (1 - e^(-jwT)) / T of (disk-1), the same at every alias.
+  const Complex hold = Complex(0, omega) * compute_normalized_hold(omega, period_);
   Terms terms;
   terms.omega = omega;
   terms.aliases.reserve(static_cast<std::size_t>(2 * aliases_) + 24);

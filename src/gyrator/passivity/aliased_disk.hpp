@@ -84,7 +84,6 @@ class AliasedDisk {
 
  private:
   Term make_term(double omega);
-  std::complex<double> hold_factor(double omega) const;
   std::complex<double> sum_feedthrough(double omega, std::complex<double> base_weight) const;
   void note_damping(const PortResponse& response);
   void prepare_tail();

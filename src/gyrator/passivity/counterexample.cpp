@@ -242,9 +242,8 @@ Counterexample meet_aliases(const Search& search, AliasedDisk& disk, const Discr
 
 Counterexample judge_operator(const Device& device, const Sampling& sampling,
                               const DiscreteStateSpace& law, const MassSpringDamper& held_by) {
-  const Plant plant = build_plant(build_device_network(device, held_by));
-  const DominantPole pole = find_dominant_pole(
-      build_loop_matrix(sample_plant(plant, sampling), law), sampling.period.to_double());
+  const DominantPole pole = find_dominant_pole(build_device_loop(device, held_by, sampling, law),
+                                               sampling.period.to_double());
   return {held_by, pole.magnitude, pole.frequency_hz};
 }
 

@@ -1,6 +1,7 @@
 #include "gyrator/passivity/disk_proof.hpp"
 
 #include "gyrator/core/interrupt.hpp"
+#include "gyrator/cosim/hold.hpp"
 #include "gyrator/cosim/sampled_plant.hpp"
 #include "gyrator/passivity/alias_remainder.hpp"
 #include "gyrator/passivity/tail_quadrature.hpp"
@@ -31,17 +32,6 @@ bool is_zero(const DiscreteStateSpace& law) {
   return law.D == 0 && (law.states() == 0 || law.C.isZero(0));
 }
 
-// Beyond every resonance of the device, so that what is left is smooth over a sampling frequency.
-int count_direct_aliases(const PortModel& model, double sampling_frequency) {
-  double fastest = 0;
-  for (const auto& pole : model.poles()) {
-    if (is_resonance(pole) && std::abs(pole.real()) < 4 * sampling_frequency)
-      fastest = std::max(fastest, std::abs(pole));
-  }
-  const double beyond = std::min(2 * fastest / sampling_frequency, 1.0 * most_direct);
-  return std::max(static_cast<int>(beyond) + 1, fewest_direct);
-}
-
 // Slowest pole of device and law [rad/s].
 double find_slowest_pole(const PortModel& model, const DiscreteStateSpace& law, double period) {
   double slowest = pi / period;
@@ -68,7 +58,8 @@ class Prover {
         whole_(split_delay(sampling).rest == 0),
         sampling_frequency_(2 * pi / period_),
         idle_(is_zero(law)),
-        direct_(count_direct_aliases(model, sampling_frequency_)),
+        direct_(std::clamp(count_resonant_aliases(model.poles(), sampling_frequency_),
+                           fewest_direct, most_direct + 1)),
         slowest_(find_slowest_pole(model, law, period_)),
         lowest_(below_slowest[0] * slowest_) {
     if (!idle_) {
@@ -131,11 +122,10 @@ class Prover {
     return {value, Complex(0, -time) * value, time * time / 2, reach};
   }
 
-  // (1 - e^(-jwT))/(jwT): integral of e^(-jwTu) over u from 0 to 1.
+  // (hold-1): integral of e^(-jwTu) over u from 0 to 1.
   TaylorModel hold(double omega, double reach) const {
     const double x = omega * period_;
-    const double half = x / 2;
-    const Complex value = std::polar(std::sin(half) / half, -half);
+    const Complex value = compute_normalized_hold(omega, period_);
     const Complex slope =
         x < 1e-3 ? Complex(-x / 3, -0.5 + x * x / 8) : (std::polar(1.0, -x) - value) / x;
     return {value, period_ * slope, period_ * period_ / 6, reach};

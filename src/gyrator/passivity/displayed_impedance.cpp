@@ -1,5 +1,7 @@
 #include "gyrator/passivity/displayed_impedance.hpp"
 
+#include "gyrator/cosim/hold.hpp"
+
 #include <cmath>
 
 namespace gyrator {
@@ -26,11 +28,9 @@ Complex DisplayedImpedance::sum_blocked(double omega) const {
 
 DisplayedLoop DisplayedImpedance::at(double omega) {
   const PortResponse r = model_.at(omega);
-  // k_0 without the difference 1 - e^(-jwT).
-  const double half = omega * period_ / 2;
-  const Complex hold = Complex(0, 2 * std::sin(half)) * std::polar(1.0, -half);
-  const Complex base = -hold * std::polar(1.0, -omega * delay_) / (period_ * omega * omega);
-  return {omega, r.impedance, r.sensor_path * r.actuation * base, sum_blocked(omega)};
+  const Complex k0 = compute_normalized_hold(omega, period_) * std::polar(1.0, -omega * delay_) /
+                     Complex(0, omega);
+  return {omega, r.impedance, r.sensor_path * r.actuation * k0, sum_blocked(omega)};
 }
 
 }  // namespace gyrator

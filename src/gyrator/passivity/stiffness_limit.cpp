@@ -196,9 +196,7 @@ StiffnessLimit StiffnessLimits::find_on_grid(double virtual_damping) {
   // Held still as well: a law with a corner of its own below the grid (a soft wall behind a wave
   // line) could hide there.
   for (const Operator& extreme : {Operator{FreeOperator{}}, Operator{ClampedOperator{}}}) {
-    const SampledPlant plant =
-        sample_plant(build_plant(build_device_network(device_, extreme)), sampling_);
-    if (compute_spectral_radius(build_loop_matrix(plant, law)) > 1 + stability_tolerance)
+    if (compute_loop_radius(device_, extreme, sampling_, law) > 1 + stability_tolerance)
       return {0, false, 0};
   }
   return result;

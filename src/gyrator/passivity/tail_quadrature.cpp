@@ -33,6 +33,17 @@ bool is_resonance(std::complex<double> pole) {
   return std::abs(pole.imag()) > 0.3 * std::abs(pole);
 }
 
+int count_resonant_aliases(const Eigen::VectorXcd& poles, double sampling_frequency) {
+  constexpr double smooth_width = 4;  // in sampling frequencies
+  constexpr double most = 1e6 - 1;
+  double fastest = 0;
+  for (const auto& pole : poles) {
+    const bool narrow = std::abs(pole.real()) < smooth_width * sampling_frequency;
+    if (is_resonance(pole) && narrow) fastest = std::max(fastest, std::abs(pole));
+  }
+  return static_cast<int>(std::min(2 * fastest / sampling_frequency, most)) + 1;
+}
+
 double find_tail_end(double from, const Eigen::VectorXcd& poles) {
   return 1e3 * std::max(from, poles.size() > 0 ? poles.cwiseAbs().maxCoeff() : 0.0);
 }

@@ -23,4 +23,9 @@ double find_tail_end(double from, const Eigen::VectorXcd& poles);
 /// Whether a pole rings at all: its response has a peak.
 bool is_resonance(std::complex<double> pole);
 
+/// Aliases on either side that reach to twice the fastest resonance, so that what is left changes
+/// little over a sampling frequency w_s [rad/s]; at least 1, at most a million. Real poles, and
+/// resonances as wide as a few w_s (an operational amplifier's), are smooth anyway.
+int count_resonant_aliases(const Eigen::VectorXcd& poles, double sampling_frequency);
+
 }  // namespace gyrator

@@ -52,6 +52,10 @@ class Judge {
     return law_.response(std::polar(1.0, omega * period_));
   }
 
+  double radius_of(const Device& device, const Operator& held_by) const {
+    return compute_loop_radius(device, held_by, model_.sampling, law_);
+  }
+
   CriterionResult judge_exact(Verdict& v) {
     CriterionResult exact;
     exact.name = "exact_disk";
@@ -82,17 +86,12 @@ class Judge {
       exact.margin = v.least_damping;
       exact.worst_frequency_hz = v.least_damping_frequency_hz;
     }
-    const Plant free = build_plant(build_device_network(model_.device, FreeOperator{}));
-    v.uncoupled_spectral_radius =
-        compute_spectral_radius(build_loop_matrix(sample_plant(free, model_.sampling), law_));
-    const bool stable_alone = v.uncoupled_spectral_radius <= 1 + stability_tolerance;
+    const double radius = radius_of(model_.device, FreeOperator{});
+    stable_alone_ = radius <= 1 + stability_tolerance;
     // A corner of the law's own may lie below the grid: a held port finds it.
-    const Plant unmoved = build_plant(build_device_network(model_.device, ClampedOperator{}));
-    const bool stable_held =
-        compute_spectral_radius(build_loop_matrix(sample_plant(unmoved, model_.sampling), law_)) <=
-        1 + stability_tolerance;
+    const bool stable_held = radius_of(model_.device, ClampedOperator{}) <= 1 + stability_tolerance;
     const bool proved = proof_.outcome == ProofOutcome::proved;
-    exact.holds = worst_.value > 0 && stable_alone && stable_held && v.device_passive && proved;
+    exact.holds = worst_.value > 0 && stable_alone_ && stable_held && v.device_passive && proved;
     if (const auto wall = find_wall_values(model_.controller)) {
       exact.max_stiffness = limits_.find(Criterion::exact_disk, wall->damping).stiffness;
     } else if (const auto* held = find_held_impedance(model_.device)) {
@@ -101,10 +100,9 @@ class Judge {
     if (!v.device_passive) {
       exact.reason = fmt::format("the bare device supplies energy at {:.4g} Hz (Re Z = {:.3g})",
                                  v.least_damping_frequency_hz, v.least_damping);
-    } else if (!stable_alone) {
-      exact.reason =
-          fmt::format("the loop is unstable with nothing attached (spectral radius {:.6g})",
-                      v.uncoupled_spectral_radius);
+    } else if (!stable_alone_) {
+      exact.reason = fmt::format(
+          "the loop is unstable with nothing attached (spectral radius {:.6g})", radius);
     } else if (!stable_held && worst_.value > 0) {
       exact.reason = "the loop is unstable with the port held still";
     } else if (std::isinf(v.worst_disk.radius)) {
@@ -121,7 +119,7 @@ class Judge {
       exact.reason =
           "aliased disk of all passive operators: command path, sensor place and delay included";
     }
-    v.loops = {{"in_contact", law_, v.uncoupled_spectral_radius, proof_}};
+    v.loops = {{"in_contact", law_, radius, proof_}};
     return exact;
   }
 
@@ -161,9 +159,9 @@ class Judge {
     }
     v.explanation = "Some passive operator makes the loop unstable.";
     const bool undecided = proof_.outcome == ProofOutcome::undecided && worst_.value > 0;
-    if (undecided && v.device_passive && v.uncoupled_spectral_radius <= 1 + stability_tolerance) {
+    if (undecided && v.device_passive && stable_alone_) {
       v.explanation = fmt::format("Not proved passive: {}.", exact->reason);
-    } else if (!v.device_passive || v.uncoupled_spectral_radius > 1 + stability_tolerance) {
+    } else if (!v.device_passive || !stable_alone_) {
       v.explanation = fmt::format("Not passive: {}.", exact->reason);
     } else if (textbook->holds) {
       v.explanation += textbook->applies
@@ -228,16 +226,15 @@ class Judge {
     return std::nullopt;
   }
 
-  // Whether the loop is passive with a damper at the port.
+  // Whether the loop is passive with a damper at the port, by all that judge_exact asks for.
   bool mends(double extra_damping) const {
     if (!(extra_damping > 0)) return false;
     Device damped = model_.device;
     damped.drive.damping.emplace_back(EddyCurrentBrake{extra_damping, true});
     PortModel port(damped);
     if (prove_disk(port, model_.sampling, law_).outcome != ProofOutcome::proved) return false;
-    const Plant plant = build_plant(build_device_network(damped, FreeOperator{}));
-    return compute_spectral_radius(build_loop_matrix(sample_plant(plant, model_.sampling), law_)) <=
-           1 + stability_tolerance;
+    return radius_of(damped, FreeOperator{}) <= 1 + stability_tolerance &&
+           radius_of(damped, ClampedOperator{}) <= 1 + stability_tolerance;
   }
 
   // Bracket by doubling, then bisect.
@@ -291,8 +288,15 @@ class Judge {
   StiffnessLimits limits_;
   std::vector<std::complex<double>> laws_;
   Minimum worst_;  // of D over frequency
+  bool stable_alone_ = false;
   DiskProof proof_;
 };
+
+// Of two that are both needed: none where one of them is not to be had.
+std::optional<double> find_larger(const std::optional<double>& a, const std::optional<double>& b) {
+  if (!a || !b) return std::nullopt;
+  return std::max(*a, *b);
+}
 
 }  // namespace
 
@@ -302,10 +306,17 @@ Verdict judge_passivity(const PassivityModel& model, bool search_counterexample)
   verdict.judged = keep_in_contact(model.controller);
   // A tool that leaves its wall is still there: free, it must be passive too.
   const auto* coupling = std::get_if<VirtualCoupling>(&model.controller.law);
-  if (!verdict.passive || !coupling || !coupling->wall || !coupling->wall->unilateral)
-    return verdict;
+  if (!coupling || !coupling->wall || !coupling->wall->unilateral) return verdict;
+  if (!verdict.passive && !verdict.extra_damping) return verdict;
   PassivityModel free = model;
   std::get<VirtualCoupling>(free.controller.law).wall.reset();
+  if (!verdict.passive) {
+    // What mends the contact must mend the free tool, too; more of it harms neither.
+    const Verdict unloaded = Judge(free).judge(false);
+    if (!unloaded.passive)
+      verdict.extra_damping = find_larger(verdict.extra_damping, unloaded.extra_damping);
+    return verdict;
+  }
   Verdict unloaded = Judge(free).judge(search_counterexample);
   unloaded.loops.front().name = "free";
   if (unloaded.passive) {

@@ -32,7 +32,7 @@ struct DampingCurves {
 struct JudgedLoop {
   std::string name;  ///< "in_contact", or "free": a coupling's tool away from its wall
   DiscreteStateSpace law;
-  double uncoupled_spectral_radius = 0;
+  double uncoupled_spectral_radius = 0;  ///< with nothing attached
   DiskProof proof;
 };
 
@@ -46,9 +46,9 @@ struct Verdict {
   bool device_passive = true;  ///< Re Z >= 0 everywhere, alone
   double least_damping = 0;    ///< lowest Re Z over base frequencies and aliases
   double least_damping_frequency_hz = 0;
-  double uncoupled_spectral_radius = 0;
-  std::optional<double>
-      extra_damping;  ///< smallest additional port damping that mends it; none if it cannot
+  /// Smallest additional port damping that mends all that a passive verdict would rest on; none if
+  /// it cannot.
+  std::optional<double> extra_damping;
   DiskPoint worst_disk;
   /// The disk and H where the picture says most: at the counterexample's frequency, else at the
   /// worst one, but not below the slowest pole (towards zero frequency every disk is a half-plane).

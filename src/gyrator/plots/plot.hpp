@@ -41,6 +41,7 @@ struct Axis {
   bool logarithmic = false;
   std::optional<double> min = {};
   std::optional<double> max = {};
+  std::vector<std::string> names = {};  ///< at 1, 2, … instead of numbers
 };
 
 /// A circle in data coordinates, for panels with equal aspect.

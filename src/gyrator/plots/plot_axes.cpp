@@ -101,7 +101,7 @@ void widen(AxisView& view, double span) {
 
 void choose_label(AxisView& view, const Axis& axis) {
   const double size = std::max(std::abs(view.low), std::abs(view.high));
-  if (!view.logarithmic && (size >= 1e5 || size < 0.05) && size > 0)
+  if (view.names.empty() && !view.logarithmic && (size >= 1e5 || size < 0.05) && size > 0)
     view.exponent = 3 * static_cast<int>(std::floor(std::log10(size) / 3));
   if (axis.label.empty()) return;
   std::string unit = pretty_unit(axis.unit);
@@ -144,6 +144,8 @@ PanelView view_of(const Panel& panel, int width, int height) {
     widen(view.x, std::max(x_span, y_span * shape));
     widen(view.y, std::max(y_span, x_span / shape));
   }
+  view.x.names = panel.x_axis.names;
+  view.y.names = panel.y_axis.names;
   choose_label(view.x, panel.x_axis);
   choose_label(view.y, panel.y_axis);
   return view;

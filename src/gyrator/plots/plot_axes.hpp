@@ -3,6 +3,7 @@
 #include "gyrator/plots/plot.hpp"
 
 #include <string>
+#include <vector>
 
 namespace gyrator {
 
@@ -11,8 +12,9 @@ struct AxisView {
   double low = 0;
   double high = 1;
   bool logarithmic = false;
-  int exponent = 0;   ///< a multiple of 3; 0 on a logarithmic axis
-  std::string label;  ///< with unit and power of ten
+  int exponent = 0;                     ///< a multiple of 3; 0 on a logarithmic axis
+  std::string label;                    ///< with unit and power of ten
+  std::vector<std::string> names = {};  ///< at 1, 2, … instead of numbers
 
   /// True where the axis can show `value` at all, in or out of its range.
   bool can_show(double value) const;

@@ -40,6 +40,16 @@ std::vector<KeyEntry> key_entries(const Panel& panel) {
   return entries;
 }
 
+/// What the names of an axis need more than numbers would.
+int room_for_names(const Figure& figure) {
+  constexpr int numbers = 40;
+  double widest = 0;
+  for (const auto& panel : figure.panels) {
+    for (const auto& name : panel.y_axis.names) widest = std::max(widest, text_width(name));
+  }
+  return std::max(0, static_cast<int>(widest) - numbers);
+}
+
 int widest_entry(const std::vector<KeyEntry>& entries) {
   double widest = 0;
   for (const auto& entry : entries) widest = std::max(widest, text_width(entry.title));
@@ -147,6 +157,7 @@ Page lay_out(const Figure& figure, double points_per_pixel) {
   const int columns = std::clamp(figure.columns, 1, count);
   Page page{
       columns * figure.panel_width, figure.title.empty() ? 0 : title_height, {}, points_per_pixel};
+  const int more = room_for_names(figure);
   for (int first = 0; first < count; first += columns) {
     int key = 0;  // the highest key of the row
     for (int i = first; i < std::min(first + columns, count); ++i) {
@@ -154,7 +165,7 @@ Page lay_out(const Figure& figure, double points_per_pixel) {
       const int left = (i - first) * figure.panel_width;
       const int bottom = page.height + figure.panel_height;
       PanelPlace place;
-      place.left = left + room_left;
+      place.left = left + room_left + more;
       place.right = left + figure.panel_width - room_right;
       place.top = page.height + (panel.title.empty() ? room_top : room_top_with_title);
       place.bottom = bottom - (panel.x_axis.label.empty() ? room_bottom : room_bottom_with_label);

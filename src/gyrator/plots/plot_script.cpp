@@ -237,6 +237,12 @@ std::string axis_settings(char name, const AxisView& view) {
   std::string text = fmt::format("set {}range [{:.8g}:{:.8g}]\nset {}label {} noenhanced{}\n", name,
                                  view.scaled(view.low), view.scaled(view.high), name,
                                  quoted(view.label), name == 'x' ? " offset 0,0.5" : "");
+  if (!view.names.empty()) {
+    std::vector<std::string> ticks;
+    for (std::size_t i = 0; i < view.names.size(); ++i)
+      ticks.push_back(fmt::format("{} {}", quoted(view.names[i]), i + 1));
+    return text + fmt::format("set {}tics ({}) noenhanced\n", name, fmt::join(ticks, ", "));
+  }
   if (view.logarithmic)
     text += fmt::format("set logscale {0} 10\nset format {0} '10^{{%L}}'\nset m{0}tics 10\n", name);
   return text;
@@ -269,7 +275,9 @@ std::string panel_script(const Panel& panel, const PanelPlace& place, const Page
   blocks = drawing.blocks;
 
   std::string script = drawing.data;
-  script += "unset logscale\nset format '%g'\nunset mxtics\nunset mytics\n";
+  script +=
+      "unset logscale\nset format '%g'\nunset mxtics\nunset mytics\n"
+      "set xtics autofreq\nset ytics autofreq\n";
   script += frame_settings(place, page) + axis_settings('x', view.x) + axis_settings('y', view.y);
   script += panel_title(panel, place, page) + key_settings(panel, place, page) + drawing.settings;
   // Drawing NaN last draws at least the axes where there is no data.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <complex>
 #include <limits>
 
@@ -38,6 +39,11 @@ struct BoxModel {
   /// |q| is nowhere in the box above this.
   double highest_size() const { return plain_abs(value) + spread() + remainder; }
 };
+
+/// A bound that was computed: not below zero by rounding, and infinite where it is not a number.
+inline double as_remainder(double bound) {
+  return std::isnan(bound) ? std::numeric_limits<double>::infinity() : std::max(bound, 0.0);
+}
 
 inline BoxModel constant_box(std::complex<double> value) {
   BoxModel model;

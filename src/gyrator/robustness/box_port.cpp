@@ -143,8 +143,8 @@ class BoxPortModel::Solver {
     const MatrixXcd moved = -W_ * gammas;
     for (Index t = 0; t < terms; ++t)
       rest(t) += sizes_[static_cast<std::size_t>(t)] * moved.row(t).cwiseAbs().sum();
-    const VectorXd rho = left_.solve(rest).cwiseMax(0.0);
-    const VectorXd wider = W_.cwiseAbs() * rho;
+    const VectorXd rho = left_.solve(rest).unaryExpr(&as_remainder);
+    const VectorXd wider = (W_.cwiseAbs() * rho).unaryExpr(&as_remainder);
     for (Index t = 0; t < terms; ++t) {
       const auto k = static_cast<std::size_t>(t);
       BoxModel& gamma = x.gammas[k];

@@ -17,6 +17,8 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <fmt/core.h>
+
 namespace gyrator {
 namespace {
 
@@ -25,16 +27,6 @@ using std::numbers::pi;
 constexpr int fewest_direct = 8;
 constexpr int most_direct = 200;
 constexpr double pole_reserve = 2;  // by which poles may be faster than the nominal ones
-
-int count_direct(const Eigen::VectorXcd& poles, double sampling_frequency) {
-  double fastest = 0;
-  for (const auto& pole : poles) {
-    if (is_resonance(pole) && std::abs(pole.real()) < 4 * sampling_frequency)
-      fastest = std::max(fastest, std::abs(pole));
-  }
-  return std::clamp(static_cast<int>(2 * fastest / sampling_frequency) + 1, fewest_direct,
-                    most_direct);
-}
 
 SampledSide make_side(const DiscreteStateSpace& law, const Sampling& sampling) {
   SampledSide side{law, sampling.period.to_double(), sampling.delay.to_double(), law.D};
@@ -64,7 +56,8 @@ class Prover {
         whole_(whole) {
     PortModel center(maker(whole.center));
     const double w_s = 2 * pi / side_.period;
-    const int direct = count_direct(center.poles(), w_s);
+    const int direct =
+        std::clamp(count_resonant_aliases(center.poles(), w_s), fewest_direct, most_direct);
     const double tail_end = pole_reserve * find_tail_end((direct + 0.5) * w_s, center.poles());
     settings_ = {direct, tail_end};
     const BoxPortModel point(descriptors_.make({whole.center, whole.half}));
@@ -162,21 +155,30 @@ class Prover {
   // By the point proof; where not, `proof` says so.
   bool is_passive(const std::vector<double>& values, BoxProof& proof) {
     const Device device = maker_(values);
+    const bool nominal = values == whole_.center;
+    if (nominal) require_stable_device(device);
     PortModel model(device);
     const DiskProof point = prove_disk(model, sampling_, side_.law);
-    bool stable = true;
-    if (values == whole_.center) {
-      require_stable_device(device);
-      const Plant free = build_plant(build_device_network(device, FreeOperator{}));
-      stable = compute_spectral_radius(build_loop_matrix(sample_plant(free, sampling_),
-                                                         side_.law)) <= 1 + stability_tolerance;
-    }
     // Where the point proof cannot tell, the boxes about it will.
-    if (stable && point.outcome != ProofOutcome::violated) return true;
+    if (point.outcome != ProofOutcome::violated) return !nominal || is_stable_alone(device, proof);
     proof.outcome = BoxOutcome::not_passive;
     proof.at = values;
     proof.omega = point.omega;
     proof.margin = point.margin;
+    return false;
+  }
+
+  // The nominal loop with nothing attached.
+  bool is_stable_alone(const Device& device, BoxProof& proof) const {
+    const Eigen::MatrixXd loop = build_device_loop(device, FreeOperator{}, sampling_, side_.law);
+    if (compute_spectral_radius(loop) <= 1 + stability_tolerance) return true;
+    const DominantPole pole = find_dominant_pole(loop, side_.period);
+    proof.outcome = BoxOutcome::not_passive;
+    proof.at = whole_.center;
+    proof.omega = 2 * pi * pole.frequency_hz;
+    proof.margin = std::numeric_limits<double>::quiet_NaN();
+    proof.reason = fmt::format(
+        "the loop is unstable with nothing attached (spectral radius {:.6g})", pole.magnitude);
     return false;
   }
 

@@ -20,8 +20,9 @@ struct BoxProof {
   std::size_t intervals = 0;  ///< of frequency, over all of them
   std::vector<double> at;     ///< parts of the counterexample, or where it is undecided
   double omega = 0;           ///< frequency there [rad/s]
-  double margin = 0;          ///< D there [N.s/m, N.m.s/rad]; for passive the lowest bound of all
-  std::string reason;         ///< where undecided: why
+  double margin = 0;   ///< D there [N.s/m, N.m.s/rad]; for passive the lowest bound of all, NaN
+                       ///< where the loop is unstable with nothing attached
+  std::string reason;  ///< where undecided, or unstable with nothing attached: why
 };
 
 struct BoxBudget {

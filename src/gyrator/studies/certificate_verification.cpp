@@ -4,6 +4,7 @@
 #include "gyrator/core/error.hpp"
 #include "gyrator/studies/certificate.hpp"
 #include "gyrator/studies/certificate_reader.hpp"
+#include "gyrator/studies/motion_terms.hpp"
 #include "gyrator/studies/result_parts.hpp"
 #include "gyrator/version.hpp"
 
@@ -80,18 +81,25 @@ class Verifier {
     if (recorded != found) report(field, fmt::format("recorded {}: found {}", recorded, found));
   }
 
+  void require_text(const char* field, const std::string& required) {
+    const std::string recorded = read_text(certificate_, "", field);
+    if (recorded != required)
+      report(field, fmt::format("recorded {}: must be {}", recorded, required));
+  }
+
   void check() {
     require_members(certificate_, "",
                     {"schema", "command", "program", "model_name", "model", "units", "verdict",
                      "explanation", "period_s", "delay_s", "device", "loops", "digest"});
-    expect_text("schema", certificate_schema_name);
-    expect_text("command", "certificate");
+    require_text("schema", certificate_schema_name);
+    require_text("command", "certificate");
     if (!read_text(certificate_, "", "program").starts_with("gyrator "))
       report("program", "is not gyrator");
     expect_text("digest", compute_digest(certificate_));
     result_.verdict = read_text(certificate_, "", "verdict");
     const Model model = parse_model(judged_part(certificate_["model"]), file_);
     result_.model_name = model.name;
+    result_.damping_unit = units_of(model.device.motion).damping.symbol;
     expect_text("model_name", model.name);
     if (certificate_["units"] != unit_names(model.device.motion))
       report("units", "are not those of the model's motion");
@@ -173,15 +181,21 @@ class Verifier {
                        name, omega, recorded.real(), recorded.imag(), found.real(), found.imag()));
   }
 
-  void check_law(const DiscreteStateSpace& recorded, const ExpectedLoop& expected, double period,
-                 const std::string& place) {
+  static std::vector<double> spread_frequencies(double period) {
     const double nyquist = std::numbers::pi / period;
+    std::vector<double> frequencies;
     for (int i = 0; i < law_frequencies; ++i) {
       // Half of them towards zero, where integrators and differences show.
-      const double omega = i % 2 == 0 ? nyquist * (i + 2) / (law_frequencies + 0.0)
-                                      : nyquist * std::pow(10.0, -4.0 * i / law_frequencies);
-      const Complex z = std::polar(1.0, omega * period);
-      const Complex found = expected.law.response(z);
+      frequencies.push_back(i % 2 == 0 ? nyquist * (i + 2) / (law_frequencies + 0.0)
+                                       : nyquist * std::pow(10.0, -4.0 * i / law_frequencies));
+    }
+    return frequencies;
+  }
+
+  void check_law(const DiscreteStateSpace& recorded, const ExpectedLoop& expected, double period,
+                 const std::vector<double>& frequencies, const std::string& place) {
+    for (const double omega : frequencies) {
+      const Complex found = narrow(compute_law(expected.law, omega * period));
       const double off = std::abs(narrow(compute_law(recorded, omega * period)) - found);
       const double size = std::abs(found) + same_digits * std::abs(expected.law.D);
       result_.law_difference = std::max(result_.law_difference, off / std::max(1e-300, size));
@@ -216,9 +230,10 @@ class Verifier {
         return;
       }
       const DiscreteStateSpace law = read_law(loop, place);
-      check_law(law, *named, model.sampling.period.to_double(), place);
+      const double period = model.sampling.period.to_double();
+      check_law(law, *named, period, spread_frequencies(period), place);
       if (passive) {
-        check_passive(loop, place, model, device);
+        check_passive(loop, place, model, device, *named);
       } else {
         check_not_passive(loop, place, model, device, law);
       }
@@ -226,9 +241,14 @@ class Verifier {
   }
 
   void check_passive(const json& loop, const std::string& place, const Model& model,
-                     const HeldDevice& device) {
+                     const HeldDevice& device, const ExpectedLoop& expected) {
     const CertifiedLoop certified = read_certified_loop(loop, place);
     result_.loops.push_back({loop["name"], certified.lowest_margin, {}});
+    if (!result_.verified()) return;
+    // The intervals are close together where the law varies.
+    std::vector<double> middles;
+    for (const auto& interval : certified.intervals) middles.push_back(interval.omega);
+    check_law(certified.law, expected, model.sampling.period.to_double(), middles, place);
     if (!result_.verified()) return;
     for (const auto& d :
          check_passive_loop(device, model.sampling, certified, result_.loops.back().found))

@@ -12,7 +12,8 @@ namespace gyrator {
 /// What came of checking a certificate.
 struct CertificateVerification {
   std::string model_name, verdict;
-  std::string refutation;  ///< its kind; empty for a passive verdict
+  std::string damping_unit;  ///< of the margins
+  std::string refutation;    ///< its kind; empty for a passive verdict
   struct Loop {
     std::string name;
     double recorded_lowest_margin = 0;
@@ -28,7 +29,8 @@ struct CertificateVerification {
 
 /// Checks a certificate (docs/certificates.md) from its digest to its numbers, with the
 /// verification room's own methods. That the device and the laws are the embedded model's is seen
-/// from the network's descriptor equations and from make_contact_law at some dozens of frequencies.
+/// from the network's descriptor equations at some dozens of frequencies and from make_contact_law
+/// there and at the middle of every interval.
 /// `file` is for messages, and netlists that the model names are looked for beside it. Throws
 /// bad_input where the document is no certificate at all.
 CertificateVerification verify_certificate(const nlohmann::json& certificate,

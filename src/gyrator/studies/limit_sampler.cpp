@@ -13,18 +13,14 @@
 namespace gyrator {
 namespace {
 
-[[noreturn]] void refuse(const Model& model, const char* place, const char* message) {
-  throw Error(ErrorCode::bad_input, model.file + ": /" + place, message);
-}
-
 WallValues find_wall(const Model& model) {
   if (const HeldImpedance* held = find_held_impedance(model.device))
     return {held->stiffness, held->damping};
   const auto wall = find_wall_values(model.controller);
   if (!wall) {
-    refuse(model, "controller/kind",
-           "no wall whose largest stiffness could be found: use virtual_wall, predictive_wall or "
-           "wave");
+    throw Error(ErrorCode::bad_input, "controller/kind",
+                "no wall whose largest stiffness could be found: use virtual_wall, "
+                "predictive_wall or wave");
   }
   return *wall;
 }
@@ -66,11 +62,7 @@ LimitSampler::LimitSampler(const Model& model)
       controller_(model.sampled_controller()),
       sampling_(model.sampling),
       quantum_(model.sensor.quantum) {
-  if (box_.tolerances().empty()) {
-    refuse(model, "",
-           "no quantity has a tolerance: write one in motor, mechanics, amplifier or damping, such "
-           "as \"resistance\": \"5 ohm ± 5 %\"");
-  }
+  require_tolerances(box_);
 }
 
 LimitSample LimitSampler::at(std::span<const double> values, LimitSearch search) const {

@@ -304,11 +304,13 @@ std::string per_cent(double share) {
 // The yield by the samples' share, with its interval.
 std::string yield_in_words(const json& result) {
   const json& samples = required(result, "samples", "tolerance result");
-  return fmt::format("{} of {} samples (95 % interval {} to {})",
-                     per_cent(required_number(samples, "yield", "samples")),
-                     pretty_number(required_number(samples, "count", "samples")),
-                     per_cent(required_number(samples, "yield_low", "samples")),
-                     per_cent(required_number(samples, "yield_high", "samples")));
+  return fmt::format(
+      "{} of {} (95 % interval {} to {})", per_cent(required_number(samples, "yield", "samples")),
+      describe_count(
+          static_cast<std::size_t>(std::max(0.0, required_number(samples, "count", "samples"))),
+          "sample"),
+      per_cent(required_number(samples, "yield_low", "samples")),
+      per_cent(required_number(samples, "yield_high", "samples")));
 }
 
 std::string tolerance_sentence(const json& result) {

@@ -228,7 +228,7 @@ PassivityAnswer answer_passivity(const Model& model, const PassivityRequest& req
                       {"least_damping_frequency_hz", v.least_damping_frequency_hz}};
   result["stability_edges"] = stability_json(model);
   result["operating_point"] = make_operating_point_fields(model);
-  result["uncoupled_spectral_radius"] = v.uncoupled_spectral_radius;
+  result["uncoupled_spectral_radius"] = v.loops.front().uncoupled_spectral_radius;
   result["damping_over_frequency"] = {{"frequency_hz", v.curves.frequency_hz},
                                       {"physical", v.curves.physical},
                                       {"virtual", v.curves.virtual_damping},

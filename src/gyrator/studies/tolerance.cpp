@@ -109,6 +109,13 @@ std::vector<double> DeviceBox::nominal_values() const {
   return values;
 }
 
+void require_tolerances(const DeviceBox& box) {
+  if (!box.tolerances().empty()) return;
+  throw Error(ErrorCode::bad_input, "",
+              "no quantity has a tolerance: write one in motor, mechanics, amplifier or damping, "
+              "such as \"resistance\": \"5 ohm ± 5 %\"");
+}
+
 void check_device_box(const DeviceBox& box) {
   check_coldest_winding(box);
   std::vector<double> values = box.nominal_values();

@@ -58,6 +58,9 @@ class DeviceBox {
   std::vector<nlohmann::json::json_pointer> pointers_;
 };
 
+/// Throws bad_input where nothing has a tolerance.
+void require_tolerances(const DeviceBox& box);
+
 /// Throws bad_input, at the quantity, where with one of them at an end of its range and the others
 /// nominal (or the winding at its coldest with the largest coefficient) no device can be built.
 void check_device_box(const DeviceBox& box);

@@ -86,10 +86,12 @@ Panel tornado_panel(const json& result) {
   const json& parts = required_array(result, "parts", place);
   const double nominal = optional_number(required(result, "nominal", place), "max_stiffness");
   const std::size_t count = std::min(most_bars, parts.size());
-  Panel panel{parts.size() > count ? fmt::format("The {} strongest parts, each alone", count)
-                                   : "Each part alone at the ends of its range",
+  Panel panel{parts.size() > count
+                  ? fmt::format("The {} strongest parts, each alone, the strongest on top", count)
+                  : "Each part alone at the ends of its range, the strongest on top",
               {"K", unit_of(result, "stiffness")},
-              {"parts, the strongest on top", ""}};
+              {"", ""}};
+  panel.y_axis.names.resize(count);
   Curve low{"at the low end", {}, {}, CurveStyle::band, Colour::blue, {}};
   Curve high{"at the high end", {}, {}, CurveStyle::band, Colour::vermillion, {}};
   // A band per part; a value that is no number keeps it from the next one.
@@ -107,11 +109,8 @@ Panel tornado_panel(const json& result) {
     const double at_high = optional_number(parts[i], "max_stiffness_at_high");
     if (std::isfinite(at_low)) add_bar(low, at_low, rank);
     if (std::isfinite(at_high)) add_bar(high, at_high, rank);
-    double end = std::isfinite(nominal) ? nominal : 0;
-    for (const double limit : {at_low, at_high})
-      if (std::isfinite(limit)) end = std::max(end, limit);
-    ends.insert(ends.end(), {nominal, at_low, at_high, end});
-    panel.markers.push_back({end, rank, optional_text(parts[i], "name"), Colour::black});
+    ends.insert(ends.end(), {nominal, at_low, at_high});
+    panel.y_axis.names[count - 1 - i] = optional_text(parts[i], "name");
   }
   panel.curves = {low, high};
   if (std::isfinite(nominal)) panel.lines.push_back({nominal, true});

@@ -13,36 +13,38 @@ namespace {
 
 constexpr std::uint64_t progress_steps = 1U << 20U;
 
-}  // namespace
-
-BoxProof prove_tolerances(const Model& model, const BoxBudget& budget, bool quiet) {
-  if (find_held_impedance(model.device)) {
-    throw Error(ErrorCode::bad_input, model.file + ": /damping",
-                "held_impedance: no guarantee over a box of parts for an analog loop around the "
-                "position; leave out --guarantee and rely on the samples");
-  }
-  const DeviceBox box = model.device_box();
+PartBox make_part_box(const DeviceBox& box) {
   PartBox parts;
   for (const Tolerance& t : box.tolerances()) {
     parts.center.push_back((t.low + t.high) / 2);
     parts.half.push_back((t.high - t.low) / 2);
   }
-  if (parts.center.empty()) {
-    throw Error(ErrorCode::bad_input, model.file + ": /",
-                "no quantity has a tolerance: write one in motor, mechanics, amplifier or damping, "
-                "such as \"resistance\": \"5 ohm ± 5 %\"");
-  }
-  const DiscreteStateSpace law =
-      make_contact_law(model.sampled_controller(), model.sampling.period.to_double());
-  Progress progress("guarantee", progress_steps, quiet);
-  std::uint64_t shown = 0;
-  return prove_box([&](std::span<const double> values) { return box.at(values); }, parts,
-                   model.sampling, law, budget,
-                   [&](double done) {
-                     const auto steps = static_cast<std::uint64_t>(done * progress_steps);
-                     if (steps > shown) progress.advance(steps - shown);
-                     shown = std::max(shown, steps);
-                   });
+  return parts;
+}
+
+}  // namespace
+
+BoxProof prove_tolerances(const Model& model, const BoxBudget& budget, bool quiet) {
+  return naming_file(model, [&] {
+    if (find_held_impedance(model.device)) {
+      throw Error(ErrorCode::bad_input, "damping",
+                  "held_impedance: no guarantee over a box of parts for an analog loop around the "
+                  "position; leave out --guarantee and rely on the samples");
+    }
+    const DeviceBox box = model.device_box();
+    require_tolerances(box);
+    const DiscreteStateSpace law =
+        make_contact_law(model.sampled_controller(), model.sampling.period.to_double());
+    Progress progress("guarantee", progress_steps, quiet);
+    std::uint64_t shown = 0;
+    return prove_box([&](std::span<const double> values) { return box.at(values); },
+                     make_part_box(box), model.sampling, law, budget,
+                     [&](double done) {
+                       const auto steps = static_cast<std::uint64_t>(done * progress_steps);
+                       if (steps > shown) progress.advance(steps - shown);
+                       shown = std::max(shown, steps);
+                     });
+  });
 }
 
 nlohmann::json make_guarantee_json(const Model& model, const BoxProof& proof) {
@@ -55,7 +57,7 @@ nlohmann::json make_guarantee_json(const Model& model, const BoxProof& proof) {
                            {"reason", nullptr}};
   if (proof.outcome == BoxOutcome::passive) return result;
   result["frequency_hz"] = proof.omega / (2 * std::numbers::pi);
-  if (proof.outcome == BoxOutcome::undecided) result["reason"] = proof.reason;
+  if (!proof.reason.empty()) result["reason"] = proof.reason;
   result["at"] = nlohmann::json::object();
   const auto& tolerances = model.parts.tolerances;
   for (std::size_t i = 0; i < proof.at.size(); ++i) result["at"][tolerances[i].name] = proof.at[i];

@@ -7,6 +7,7 @@
 #include "gyrator/studies/result_parts.hpp"
 #include "gyrator/two_port/stiffest_coupling.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -43,21 +44,29 @@ std::vector<double> make_sweep(const TwoPortSweep& sweep, double nyquist_hz) {
   return frequency;
 }
 
-json condition_json(const char* name, const ConditionResult& condition) {
+// Of Re h11, Re h22 and what the third compares.
+std::array<const char*, 3> condition_units(Motion motion) {
+  if (motion == Motion::rotary) return {"N.m.s/rad", "rad/(N.m.s)", "1"};
+  return {"N.s/m", "m/(N.s)", "1"};
+}
+
+json condition_json(const char* name, const char* unit, const ConditionResult& condition) {
   json bands = json::array();
   for (const auto& band : condition.violated) bands.push_back({band.from_hz, band.to_hz});
   return {{"condition", name},
           {"holds", condition.holds},
           {"margin", finite_or_null(condition.margin)},
+          {"unit", unit},
           {"worst_frequency_hz", condition.worst_frequency_hz},
           {"violated_hz", std::move(bands)}};
 }
 
-void put_verdict(json& part, const TwoPortVerdict& verdict) {
+void put_verdict(json& part, const TwoPortVerdict& verdict, Motion motion) {
   part["absolutely_stable"] = verdict.absolutely_stable;
   part["conditions"] = json::array();
   for (std::size_t i = 0; i < condition_names.size(); ++i)
-    part["conditions"].push_back(condition_json(condition_names[i], verdict.conditions[i]));
+    part["conditions"].push_back(
+        condition_json(condition_names[i], condition_units(motion)[i], verdict.conditions[i]));
   part["third_ratio"] = {{"lowest", finite_or_null(verdict.ratio)},
                          {"worst_frequency_hz", verdict.ratio_frequency_hz}};
   part["least_felt_damping"] = {{"value", finite_or_null(verdict.felt)},
@@ -173,6 +182,13 @@ json make_two_port_result(const Model& model, const TwoPortRequest& request) {
   std::vector<Rendering> renderings;
   for (const auto& name : request.renderings) renderings.push_back(rendering_of(name));
   if (renderings.empty()) renderings.push_back(scene.own);
+  if (request.passivity_damping > 0 &&
+      std::find(renderings.begin(), renderings.end(), Rendering::direct) == renderings.end()) {
+    throw Error(ErrorCode::bad_input, "--passivity-damping",
+                fmt::format("has no part in {} rendering: it belongs to a passivity controller "
+                            "around direct rendering, --rendering direct",
+                            name_of(renderings.front())));
+  }
   for (const Rendering rendering : renderings) naming_file(model, [&] { port.require(rendering); });
 
   json result = start_result("twoport", model);
@@ -181,7 +197,7 @@ json make_two_port_result(const Model& model, const TwoPortRequest& request) {
   json parts = json::array();
   for (const Rendering rendering : renderings) {
     json part = {{"rendering", name_of(rendering)}};
-    put_verdict(part, port.judge(rendering));
+    put_verdict(part, port.judge(rendering), model.device.motion);
     put_sweep(part,
               {[&](double omega) { return port.at(rendering, omega); },
                [&](double omega) { return port.environment_impedance(omega); }},
@@ -222,7 +238,7 @@ json make_remote_result(const Model& master, const Model& slave, const RemoteReq
   json result = start_result("twoport", master);
   const double period = master.sampling.period.to_double();
   json part = {{"rendering", "remote"}};
-  put_verdict(part, devices.judge());
+  put_verdict(part, devices.judge(), master.device.motion);
   put_sweep(part,
             {[&](double omega) { return devices.at(omega); },
              [&](double omega) { return operator_impedance(slave.held_by, omega); }},

@@ -31,6 +31,12 @@ std::string bands_in_words(const json& condition) {
   return text;
 }
 
+// The third condition's margin is a pure number.
+std::string unit_in_words(const json& condition) {
+  const auto unit = optional_text(condition, "unit");
+  return unit == "1" ? "" : unit;
+}
+
 std::string name_in_words(const json& part) {
   auto name = optional_text(part, "rendering");
   std::replace(name.begin(), name.end(), '_', ' ');
@@ -47,7 +53,8 @@ ReportSection two_port_section(const json& result) {
           {{name_in_words(part)},
            {optional_text(condition, "condition")},
            answer(condition),
-           {pretty_quantity(optional_number(condition, "margin"), {}), "number"},
+           {pretty_quantity(optional_number(condition, "margin"), unit_in_words(condition)),
+            "number"},
            {pretty_frequency(optional_number(condition, "worst_frequency_hz")), "number"},
            {bands_in_words(condition)}});
   }

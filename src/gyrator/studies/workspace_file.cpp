@@ -2,6 +2,7 @@
 
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/quantity.hpp"
+#include "gyrator/core/text.hpp"
 #include "gyrator/documents/document_reader.hpp"
 #include "gyrator/documents/json_text.hpp"
 
@@ -62,7 +63,10 @@ MatrixXd read_damping_matrix(const json& given, Index size, const std::string& p
                              const char* of_what, bool positive) {
   MatrixXd matrix = MatrixXd::Zero(size, size);
   const auto check_size = [&](Index found) {
-    if (found != size) refuse(place, fmt::format("{} dampings for {} {}", found, size, of_what));
+    if (found != size)
+      refuse(place,
+             fmt::format("{} for {} {}", describe_count(static_cast<std::size_t>(found), "damping"),
+                         size, of_what));
   };
   if (!given.is_array()) {
     matrix.diagonal().setConstant(read_damping(given, place));

@@ -2,6 +2,7 @@
 
 #include "gyrator/passivity/joint_dissipation.hpp"
 #include "gyrator/plots/html.hpp"
+#include "gyrator/plots/plot_page.hpp"
 #include "gyrator/plots/pretty_text.hpp"
 #include "gyrator/studies/result_fields.hpp"
 #include "gyrator/studies/result_parts.hpp"
@@ -65,14 +66,28 @@ json make_workspace_result(const Workspace& workspace) {
   return result;
 }
 
+namespace {
+
+// Side by side; many poses are numbers.
+bool fit_below(const std::vector<std::string>& names) {
+  constexpr double width = 600;  // pixels
+  double widest = 0;
+  for (const auto& name : names) widest = std::max(widest, text_width(name) + 12);
+  return widest * static_cast<double>(names.size()) < width;
+}
+
+}  // namespace
+
 Figure workspace_figure(const json& result) {
   const std::string place = "workspace result: /poses";
   const json& poses = required_array(result, "poses", "workspace result");
   std::vector<double> number;
+  std::vector<std::string> names;
   std::vector<double> isotropic;
   std::vector<double> factor;
   for (const auto& pose : poses) {
     number.push_back(static_cast<double>(number.size() + 1));
+    names.push_back(optional_text(pose, "name"));
     isotropic.push_back(optional_number(pose, "largest_isotropic"));
     factor.push_back(optional_number(pose, "allowed_factor"));
   }
@@ -81,11 +96,7 @@ Figure workspace_figure(const json& result) {
     Panel panel{title, {"pose", "", false, 0.5, static_cast<double>(number.size()) + 0.5}, {label}};
     panel.y_axis.logarithmic = true;
     panel.curves = {{"", number, values, CurveStyle::points, Colour::blue}};
-    for (std::size_t i = 0; i < values.size() && values.size() <= 12; ++i) {
-      if (std::isfinite(values[i]))
-        panel.markers.push_back(
-            {number[i], values[i], optional_text(poses[i], "name"), Colour::blue});
-    }
+    if (fit_below(names)) panel.x_axis.names = names;
     return panel;
   };
   Figure figure{figure_title(result, "Joint damping at the hand"),

@@ -1,5 +1,7 @@
 #include "gyrator/two_port/sampled_port.hpp"
 
+#include "gyrator/cosim/hold.hpp"
+
 namespace gyrator {
 
 std::string_view name_of(Sensing sensing) {

@@ -17,12 +17,6 @@ double largest_root(double a, double b, double c) {
 
 }  // namespace
 
-Complex compute_normalized_hold(double omega, double period) {
-  const double half = omega * period / 2;
-  if (half == 0) return 1;
-  return std::polar(std::sin(half) / half, -half);
-}
-
 VirtualElements::VirtualElements(double omega, double step, Integration integration) {
   if (step == 0) {
     rate_ = Complex(0, omega);

@@ -121,5 +121,19 @@ TEST(FindInvalidUtf8, tells_where_the_first_ill_formed_byte_is) {
   EXPECT_EQ(find_invalid_utf8("x\xc3y"), 1U);
 }
 
+TEST(Count, has_the_singular_for_one_and_the_plural_for_all_others) {
+  EXPECT_EQ(describe_count(1, "part"), "1 part");
+  EXPECT_EQ(describe_count(3, "part"), "3 parts");
+  EXPECT_EQ(describe_count(0, "part"), "0 parts");
+  EXPECT_EQ(describe_count(1, "box", "boxes"), "1 box");
+  EXPECT_EQ(describe_count(2, "box", "boxes"), "2 boxes");
+}
+
+TEST(RepeatedName, is_found_wherever_the_two_stand) {
+  EXPECT_EQ(find_repeated({"a", "b", "a"}), "a");
+  EXPECT_EQ(find_repeated({"a", "b", "c"}), std::nullopt);
+  EXPECT_EQ(find_repeated({}), std::nullopt);
+}
+
 }  // namespace
 }  // namespace gyrator

@@ -31,9 +31,8 @@ Device make_inertia(double inertia, double damping) {
 
 double find_radius(const Device& device, const Operator& held_by, const Sampling& sampling,
                    const VirtualWall& wall) {
-  const Plant plant = build_plant(build_device_network(device, held_by));
-  return compute_spectral_radius(build_loop_matrix(
-      sample_plant(plant, sampling), make_wall_law(wall, sampling.period.to_double())));
+  return compute_loop_radius(device, held_by, sampling,
+                             make_wall_law(wall, sampling.period.to_double()));
 }
 
 TEST(SplitDelay, is_whole_periods_and_the_rest) {

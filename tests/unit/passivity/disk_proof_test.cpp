@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "alias_sums.hpp"
 #include "support/passivity_closed_forms.hpp"
 
 namespace gyrator {
@@ -89,6 +90,82 @@ TEST(DiskProof, bounds_the_margin_between_its_middles_from_below) {
       }
     }
   }
+}
+
+struct TrueDisk {
+  double omega = 0, damping = 0;
+  PlainDisk disk;
+};
+
+// Densely, half of the frequencies evenly over the logarithm of three decades, half over the range.
+std::vector<TrueDisk> sum_densely(const KnownDevice& known, const Sampling& sampling) {
+  constexpr int points = 200;
+  constexpr int terms = 2000;
+  const double period = sampling.period.to_double();
+  // What lies beyond is nearly constant; under a turning delay its centres cancel.
+  const PortForm far = known.at(Complex(0, terms * 2 * pi / period));
+  const double size = std::abs(far.sensor_path * far.actuation) / (2 * far.impedance.real());
+  std::vector<TrueDisk> disks;
+  for (int i = 1; i <= points; ++i) {
+    const double share = static_cast<double>(i) / points;
+    const double omega = pi / period * (i % 2 == 0 ? std::pow(1e-3, share) : share);
+    disks.push_back({omega, known.at(Complex(0, omega)).impedance.real(),
+                     sum_plainly(known, sampling, omega, terms, {0, size})});
+  }
+  return disks;
+}
+
+// Re Z (|1 + H c|^2 - |H r|^2), or more by rounding of its terms and of the plain sums.
+double find_most_margin(const TrueDisk& at, Complex law) {
+  constexpr double rounding = 1e-11;
+  const double reach = std::abs(law) * at.disk.radius;
+  const double away = std::abs(1.0 + law * at.disk.center);
+  return at.damping * ((away - reach) * (away + reach) + rounding * (away * away + reach * reach));
+}
+
+TEST(DiskProof, under_a_delay_of_part_of_a_period_proves_only_what_is_true) {
+  const auto compliant = [](SensorLocation sensor) {
+    return make_compliant(0.04, 0.8, {2e4, 0.3, 0.02}, sensor);
+  };
+  const std::vector<std::pair<KnownDevice, double>> devices{
+      {make_p3(), 0.2},
+      {make_rc_motor(), 1e-5},
+      {make_slow_rc_motor(300), 1e-5},
+      {make_voltage_driven_motor(0.5), 1e-5},
+      {compliant(SensorLocation::port), 0.1},
+      {compliant(SensorLocation::motor), 0.1}};
+  std::mt19937_64 engine(7);
+  std::uniform_real_distribution<double> share(0.5, 1.5);
+  int proved = 0;
+  int refuted = 0;
+  for (const auto& [known, damping] : devices) {
+    for (const Rational& periods : {Rational(13, 100), Rational(1, 2), Rational(137, 100)}) {
+      const Sampling sampling{Rational(1, 1000), periods / 1000};
+      const Controller wall = VirtualWall{0, damping};
+      StiffnessLimits limits(known.device, sampling, wall, FreeOperator{});
+      const double limit = limits.find(Criterion::exact_disk, damping).stiffness;
+      ASSERT_GT(limit, 0);
+      const std::vector<TrueDisk> disks = sum_densely(known, sampling);
+      for (const double of_limit : {share(engine), share(engine), 1 - 1e-4, 1 + 1e-4, 1 + 1e-2}) {
+        const DiscreteStateSpace law =
+            make_contact_law(VirtualWall{of_limit * limit, damping}, 1e-3);
+        const bool is_proved = prove(known.device, sampling, law).outcome == ProofOutcome::proved;
+        double least = std::numeric_limits<double>::infinity();
+        for (const TrueDisk& at : disks) {
+          least =
+              std::min(least, find_most_margin(at, law.response(std::polar(1.0, at.omega * 1e-3))));
+        }
+        if (is_proved) {
+          EXPECT_GT(least, 0) << of_limit << " of the limit, late by " << periods.to_double();
+        }
+        proved += is_proved ? 1 : 0;
+        refuted += least < 0 ? 1 : 0;
+      }
+    }
+  }
+  // Both happen: it is a test of both sides.
+  EXPECT_GT(proved, 20);
+  EXPECT_GT(refuted, 20);
 }
 
 TEST(DiskProof, covers_every_frequency_up_to_nyquist) {

@@ -73,5 +73,38 @@ TEST(ExtraDamping, is_left_out_where_no_damper_at_the_port_can_mend) {
   EXPECT_FALSE(verdict.extra_damping.has_value()) << *verdict.extra_damping;
 }
 
+// A tool behind a unilateral wall is judged in contact first; with more damping it must be passive
+// away from the wall, too. Each of the two is the verdict of a loop of its own.
+TEST(ExtraDamping, of_a_tool_at_a_wall_that_it_may_leave_mends_it_in_contact_and_free) {
+  const auto judge_with = [](VirtualCoupling coupling, double more) {
+    return judge_passivity({make_point_mass(0.04, 0.8 + more).device, coupling, {}, 0}, false);
+  };
+  const auto make_coupling = [](SpringDamper coupling, double mass, SpringDamper wall) {
+    VirtualCoupling made;
+    made.coupling = coupling;
+    made.tool_inertia = mass;
+    made.wall.emplace().law = wall;
+    return made;
+  };
+  int free_needs_more = 0;
+  for (VirtualCoupling coupling : {make_coupling({1900, 0.12}, 0.015, {34, 0.26}),
+                                   make_coupling({280, 1.9}, 0.003, {1.9, 2})}) {
+    const Verdict contact = judge_with(coupling, 0);
+    VirtualCoupling tool = coupling;
+    tool.wall.reset();
+    const Verdict free = judge_with(tool, 0);
+    ASSERT_FALSE(contact.passive);
+    ASSERT_TRUE(contact.extra_damping && free.extra_damping);
+    coupling.wall->unilateral = true;
+    const Verdict verdict = judge_with(coupling, 0);
+    ASSERT_TRUE(verdict.extra_damping.has_value());
+    EXPECT_EQ(*verdict.extra_damping, std::max(*contact.extra_damping, *free.extra_damping));
+    EXPECT_TRUE(judge_with(coupling, *verdict.extra_damping * (1 + 1e-5)).passive);
+    EXPECT_FALSE(judge_with(coupling, *verdict.extra_damping * 0.98).passive);
+    free_needs_more += *free.extra_damping > 1.1 * *contact.extra_damping ? 1 : 0;
+  }
+  EXPECT_EQ(free_needs_more, 1) << "either of the two may decide";
+}
+
 }  // namespace
 }  // namespace gyrator

@@ -199,6 +199,24 @@ TEST(Plot, EveryStyleIsAcceptedByGnuplot) {
   }
 }
 
+TEST(Plot, AnAxisWithNamesShowsThemInsteadOfNumbers) {
+  Figure figure = make_figure();
+  Panel named = figure.panels.front();
+  named.y_axis = {"", "", false, 0.5, 2.5, {"a long name of a part", "it's & <b>"}};
+  figure.panels.push_back(named);
+  const std::string script = gnuplot_script(figure, PlotFormat::svg_file, "figure");
+  EXPECT_NE(script.find("set ytics ('a long name of a part' 1, 'it''s & <b>' 2)"),
+            std::string::npos);
+  const std::string svg = figure_as_svg(figure);
+  EXPECT_NO_THROW(parse_xml(svg));
+  EXPECT_NE(svg.find("a long name of a part"), std::string::npos);
+  // The frames line up, and the names have the room that they need.
+  const Page page = lay_out(figure, 1);
+  EXPECT_EQ(page.places[0].left, page.places[1].left);
+  EXPECT_GT(page.places[1].left, text_width("a long name of a part"));
+  EXPECT_GT(page.places[0].left, lay_out(make_figure(), 1).places[0].left);
+}
+
 TEST(Plot, RefusesCurvesOfUnequalLengthsAndNamesTheCurve) {
   auto figure = make_figure();
   figure.panels[0].curves[0].y.pop_back();

@@ -107,6 +107,17 @@ TEST(BoxProof, ShowsPartsThatAreNotPassiveWhereThereAreSome) {
   }
 }
 
+// A spring that pushes away has D = b + |K| T/2 > 0, but nothing holds the free device.
+TEST(BoxProof, SaysWhyWhereTheNominalLoopIsUnstableWithNothingAttached) {
+  const BoxExample example = with_stiffness(list_box_examples().front(), -0.02);
+  ASSERT_EQ(prove_at(example, example.parts.center).outcome, ProofOutcome::proved);
+  const BoxProof proof = prove(example);
+  ASSERT_EQ(proof.outcome, BoxOutcome::not_passive);
+  EXPECT_EQ(proof.at, example.parts.center);
+  EXPECT_NE(proof.reason.find("unstable with nothing attached"), std::string::npos) << proof.reason;
+  EXPECT_TRUE(std::isnan(proof.margin)) << "no margin says it";
+}
+
 TEST(BoxProof, IsUndecidedWhereTheBudgetEnds) {
   BoxExample example = list_box_examples()[5];
   ASSERT_EQ(example.name, "compliant, sensor at motor");

@@ -16,15 +16,6 @@ constexpr double T = 0.03;
 constexpr std::array schemes{Integration::explicit_euler, Integration::semi_implicit,
                              Integration::implicit};
 
-TEST(NormalizedHold, is_the_quotient_that_it_stands_for_and_one_in_continuous_time) {
-  for (const double omega : {0.5, 20.0, pi / T}) {
-    const Complex s(0, omega);
-    const Complex quotient = (1.0 - std::exp(-s * T)) / (s * T);
-    EXPECT_NEAR(std::abs(compute_normalized_hold(omega, T) - quotient), 0, 1e-14);
-  }
-  EXPECT_EQ(compute_normalized_hold(3, 0), 1.0);
-}
-
 TEST(VirtualElements, are_the_z_transforms_of_their_scheme) {
   for (const double omega : {0.5, 20.0, pi / T}) {
     const Complex z = std::polar(1.0, omega * T);
