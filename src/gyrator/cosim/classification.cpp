@@ -11,10 +11,24 @@ namespace {
 constexpr std::size_t fewest_cycles = 2;
 constexpr double certain = 3;  // standard errors
 
+struct Range {
+  double low, high;
+};
+
+// Without branches: maps classify tens of thousands of runs.
+Range find_range(std::span<const double> values) {
+  Range range{values.front(), values.front()};
+  for (const double value : values) {
+    range.low = value < range.low ? value : range.low;
+    range.high = value > range.high ? value : range.high;
+  }
+  return range;
+}
+
 double half_swing(std::span<const double> values) {
   if (values.empty()) return 0;
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  return (*high - *low) / 2;
+  const Range range = find_range(values);
+  return (range.high - range.low) / 2;
 }
 
 // One oscillation between two upward crossings of the middle value [samples].
@@ -26,8 +40,8 @@ struct Cycle {
 std::vector<Cycle> find_cycles(std::span<const double> velocity) {
   std::vector<Cycle> cycles;
   if (velocity.size() < 3) return cycles;
-  const auto [low, high] = std::minmax_element(velocity.begin(), velocity.end());
-  const double middle = (*low + *high) / 2;
+  const Range range = find_range(velocity);
+  const double middle = (range.low + range.high) / 2;
   double start = -1;
   std::size_t first = 0;
   for (std::size_t i = 1; i < velocity.size(); ++i) {

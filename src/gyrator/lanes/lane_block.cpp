@@ -34,9 +34,11 @@ bool is_difference(const DiscreteStateSpace& law) {
 }  // namespace
 
 LaneBlock::LaneBlock(const LaneScene& scene, const LaneDesign& example,
-                     LaneInstructions instructions)
+                     LaneInstructions instructions, Positions kept)
     : scene_(scene) {
   prepare_scene(scene);
+  const long rows = program_.samples + 1;
+  program_.first_position = kept == Positions::all ? 0 : rows - rows / 3;
   prepare_program(example);
   general_ = find_kernel(instructions, program_);
   program_.shared_plant = true;
@@ -52,8 +54,8 @@ LaneBlock::LaneBlock(const LaneScene& scene, const LaneDesign& example,
   law_state_.assign(std::max<std::size_t>(1, m) * lanes, 0);
   commands_.assign(static_cast<std::size_t>(program_.whole_delay + 2) * lanes, 0);
   reference_.assign(lanes, 0);
-  position_.assign(static_cast<std::size_t>(program_.samples + 1) * lanes, 0);
-  velocity_.assign(position_.size(), 0);
+  velocity_.assign(static_cast<std::size_t>(rows) * lanes, 0);
+  position_.assign(static_cast<std::size_t>(rows - program_.first_position) * lanes, 0);
 }
 
 // What follows from sensor, clock and gesture alone.

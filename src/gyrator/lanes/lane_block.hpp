@@ -14,8 +14,11 @@ namespace gyrator {
 /// Memory and program of one block of lanes, made once and used for block after block.
 class LaneBlock {
  public:
+  enum class Positions { all, last_third };  // what fits a core's own memory is faster
+
   /// For designs of the size of `example`.
-  LaneBlock(const LaneScene& scene, const LaneDesign& example, LaneInstructions instructions);
+  LaneBlock(const LaneScene& scene, const LaneDesign& example, LaneInstructions instructions,
+            Positions kept);
 
   /// Advances up to lanes_per_block designs to their end.
   void run(std::span<const LaneDesign> designs);
@@ -25,7 +28,8 @@ class LaneBlock {
     return ends_[static_cast<std::size_t>(lane)] == LaneEnd::ran_away;
   }
   double position(long row, int lane) const {
-    return position_[static_cast<std::size_t>(row * lanes_per_block + lane)];
+    return position_[static_cast<std::size_t>((row - program_.first_position) * lanes_per_block +
+                                              lane)];
   }
   double velocity(long row, int lane) const {
     return velocity_[static_cast<std::size_t>(row * lanes_per_block + lane)];

@@ -86,13 +86,20 @@ class Block {
   // What the lanes have in common, kept out of the loops by hand: for all the compiler knows, every
   // store could change it.
   struct Common {
+    double *xi, *law_state, *commands;
+    const double *propagate, *law;
     bool quantized, converts, split;
     Vector quantum, offset, dac_quantum, limit, threshold, most;
   };
 
   // Steps k up to `stop`.
   void advance(long k, long stop, Rows& rows) const {
-    const Common common{p_.quantum > 0,
+    const Common common{s_.xi,
+                        s_.law,
+                        s_.commands,
+                        c_.propagate,
+                        c_.law,
+                        p_.quantum > 0,
                         p_.dac_quantum > 0,
                         p_.split,
                         broadcast(p_.quantum),
@@ -111,7 +118,7 @@ class Block {
       } else {
         step<false>(k, rows, common);
       }
-      rows.position += lanes_per_block;
+      if (k >= p_.first_position) rows.position += lanes_per_block;
       rows.velocity += lanes_per_block;
     }
   }
@@ -119,16 +126,16 @@ class Block {
   // All lanes through sample k. Plain: the position is sensed as it is or quantized, nobody pushes,
   // and the command acts at once as it is.
   template <bool Plain>
-  void step(long k, const Rows& rows, const Common& common) const {
+  [[gnu::always_inline]] inline void step(long k, const Rows& rows, const Common& common) const {
     // Commands under way: slot k mod (m + 2) takes the one of sample k.
     const long slots = p_.whole_delay + 2;
-    double* const sent = s_.commands + (Plain ? 0 : k % slots * lanes_per_block);
-    const double* const before = s_.commands + (Plain ? 0 : (k + 1) % slots * lanes_per_block);
-    const double* const arrived = s_.commands + (Plain ? 0 : (k + 2) % slots * lanes_per_block);
+    double* const sent = common.commands + (Plain ? 0 : k % slots * lanes_per_block);
+    const double* const before = common.commands + (Plain ? 0 : (k + 1) % slots * lanes_per_block);
+    const double* const arrived = common.commands + (Plain ? 0 : (k + 2) % slots * lanes_per_block);
     const Vector noise = broadcast(!Plain && p_.noise ? p_.noise[k] : 0);
     const Vector effort = broadcast(Plain ? 0 : p_.effort[k]);
-    const double* const at_position = s_.xi + p_.position * lanes_per_block;
-    const double* const at_velocity = s_.xi + p_.velocity * lanes_per_block;
+    const double* const at_position = common.xi + p_.position * lanes_per_block;
+    const double* const at_velocity = common.xi + p_.velocity * lanes_per_block;
     // Two passes: while the commands of all vectors are being computed, one operation after the
     // other, the processor finds work in the second pass.
     Vector commands[groups], held[groups];
@@ -158,17 +165,17 @@ class Block {
       commands[v] = command;
     }
     for (int v = 0; v < groups; v += together)
-      propagate<Plain>(v * vector_width, held + v, commands + v, effort);
+      propagate<Plain>(common, v * vector_width, held + v, commands + v, effort);
   }
 
   // Command of the law, and its state one sample on.
-  Vector compute(Vector y, const Common& common, int lane) const {
-    const double* row = c_.law + lane;
+  [[gnu::always_inline]] inline Vector compute(Vector y, const Common& common, int lane) const {
+    const double* row = common.law + lane;
     const auto restrict = [&](Vector command) {
       return keep_where(y > common.threshold, smaller(command, common.most));
     };
     if constexpr (LawStates == last_sample) {
-      double* const last = s_.law + lane;
+      double* const last = common.law_state + lane;
       const Vector command = multiply_add(load(row + 2 * lanes_per_block), load(last),
                                           load(row + 3 * lanes_per_block) * y);
       store(last, y);
@@ -176,28 +183,29 @@ class Block {
     }
     const int m = law_size();
     Vector q[LawStates >= 0 ? LawStates + 1 : most_states];
-    for (int j = 0; j < m; ++j) q[j] = load(s_.law + j * lanes_per_block + lane);
+    for (int j = 0; j < m; ++j) q[j] = load(common.law_state + j * lanes_per_block + lane);
     const auto apply = [&](int i) {
       const double* entry = row + i * (m + 1) * lanes_per_block;
       Vector sum = load(entry + m * lanes_per_block) * y;
       for (int j = 0; j < m; ++j) sum = multiply_add(load(entry + j * lanes_per_block), q[j], sum);
       return sum;
     };
-    for (int i = 0; i < m; ++i) store(s_.law + i * lanes_per_block + lane, apply(i));
+    for (int i = 0; i < m; ++i) store(common.law_state + i * lanes_per_block + lane, apply(i));
     return restrict(apply(m));
   }
 
   // `Together` vectors at once, from `lane` on: with a plant that all lanes share, a coefficient is
   // read once for them all.
   template <bool Plain>
-  void propagate(int lane, const Vector* before, const Vector* applied, Vector effort) const {
+  [[gnu::always_inline]] inline void propagate(const Common& common, int lane, const Vector* before,
+                                               const Vector* applied, Vector effort) const {
     const int n = size();
     Vector xi[together][States > 0 ? States : most_states];
     for (int v = 0; v < together; ++v) {
       for (int i = 0; i < n; ++i)
-        xi[v][i] = load(s_.xi + i * lanes_per_block + lane + v * vector_width);
+        xi[v][i] = load(common.xi + i * lanes_per_block + lane + v * vector_width);
     }
-    const double* entry = c_.propagate + (Shared ? 0 : lane);
+    const double* entry = common.propagate + (Shared ? 0 : lane);
     constexpr int stride = Shared ? 1 : lanes_per_block;
     for (int i = 0; i < n; ++i) {
       Vector sum[together];
@@ -214,7 +222,7 @@ class Block {
       if constexpr (!Plain) add(entry + 2 * stride, [&](int) { return effort; });
       entry += 3 * stride;
       for (int v = 0; v < together; ++v)
-        store(s_.xi + i * lanes_per_block + lane + v * vector_width, sum[v]);
+        store(common.xi + i * lanes_per_block + lane + v * vector_width, sum[v]);
     }
   }
 

@@ -17,6 +17,7 @@ struct LaneProgram {
   bool shared_plant = false;       ///< `propagate` holds one number per entry, for all lanes
   bool law_is_difference = false;  ///< q' = y: one law state, the last sample
   long samples = 0;                ///< steps; one more row is recorded than there are steps
+  long first_position = 0;         ///< row from which positions are kept
   int whole_delay = 0;             ///< m of a delay m T + rest
   bool split = false;  ///< rest > 0: the command before the last still acts on the first part
   double quantum = 0;  ///< of the sensor; 0 for none
@@ -52,7 +53,8 @@ struct LaneState {
 
 enum class LaneEnd : unsigned char { ran_through, ran_away, came_to_rest };
 
-/// Rows of [sample][lane], and how each lane has ended and in which row.
+/// Rows of [sample][lane], of positions from `first_position` on, and how each lane has ended and
+/// in which row.
 struct LaneTraces {
   double* position;
   double* velocity;

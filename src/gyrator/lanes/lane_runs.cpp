@@ -16,33 +16,47 @@ namespace {
 struct Worker {
   LaneBlock block;
   std::vector<LaneDesign> designs;
-  std::vector<double> position, velocity;
+  std::vector<std::vector<double>> position, velocity;  // of each lane that has to be looked at
 };
 
+// Lanes as series, in one pass over the block; of positions the last third, which is all that
+// classify() reads.
+void copy_lanes(Worker& worker, const std::vector<int>& lanes, long rows) {
+  const long first_position = rows - rows / 3;
+  for (std::size_t i = 0; i < lanes.size(); ++i) {
+    worker.position[i].resize(static_cast<std::size_t>(rows));
+    worker.velocity[i].resize(static_cast<std::size_t>(rows));
+  }
+  for (long row = 0; row < rows; ++row) {
+    const auto at = static_cast<std::size_t>(row);
+    for (std::size_t i = 0; i < lanes.size(); ++i)
+      worker.velocity[i][at] = worker.block.velocity(row, lanes[i]);
+    if (row < first_position) continue;
+    for (std::size_t i = 0; i < lanes.size(); ++i)
+      worker.position[i][at] = worker.block.position(row, lanes[i]);
+  }
+}
+
 // As classify(), most of whose work is not needed where a lane ran away or came to rest.
-void classify_block(Worker& worker, std::size_t lanes, const LaneScene& scene, Classification* to) {
-  const double period = scene.sampling.period.to_double();
+void classify_block(Worker& worker, std::size_t size, const LaneScene& scene, Classification* to) {
   const LaneBlock& block = worker.block;
+  const ClassificationOptions& options = scene.options.classification;
   const long rows = floor_divide(scene.options.duration, scene.sampling.period) + 1;
-  const long third = rows / 3;
   const auto largest = block.half_swings(0, rows);
-  const auto late = block.half_swings(rows - third / 2, rows);
-  for (std::size_t i = 0; i < lanes; ++i) {
-    const int lane = static_cast<int>(i);
-    Classification& c = to[i];
-    c = {};
-    if (block.ran_away(lane)) {
-      c.outcome = Outcome::diverges;
-      continue;
+  const auto late = block.half_swings(rows - rows / 3 / 2, rows);
+  std::vector<int> lanes;
+  for (std::size_t i = 0; i < size; ++i) {
+    to[i] = {};
+    if (block.ran_away(static_cast<int>(i))) {
+      to[i].outcome = Outcome::diverges;
+    } else if (late[i] > options.rest_fraction * largest[i]) {  // else it settles
+      lanes.push_back(static_cast<int>(i));
     }
-    if (late[i] <= scene.options.classification.rest_fraction * largest[i]) continue;  // settles
-    worker.position.resize(static_cast<std::size_t>(rows));
-    worker.velocity.resize(static_cast<std::size_t>(rows));
-    for (long row = 0; row < rows; ++row) {
-      worker.position[static_cast<std::size_t>(row)] = block.position(row, lane);
-      worker.velocity[static_cast<std::size_t>(row)] = block.velocity(row, lane);
-    }
-    c = classify(worker.position, worker.velocity, period, false, scene.options.classification);
+  }
+  copy_lanes(worker, lanes, rows);
+  for (std::size_t i = 0; i < lanes.size(); ++i) {
+    to[lanes[i]] = classify(worker.position[i], worker.velocity[i],
+                            scene.sampling.period.to_double(), false, options);
   }
 }
 
@@ -84,7 +98,9 @@ std::vector<Classification> classify_lanes(
   const LaneInstructions instructions = choose_instructions(options);
   constexpr auto lanes = static_cast<std::size_t>(lanes_per_block);
   tbb::enumerable_thread_specific<Worker> workers([&] {
-    return Worker{LaneBlock(scene, example, instructions), std::vector<LaneDesign>(lanes), {}, {}};
+    return Worker{LaneBlock(scene, example, instructions, LaneBlock::Positions::last_third),
+                  std::vector<LaneDesign>(lanes), std::vector<std::vector<double>>(lanes),
+                  std::vector<std::vector<double>>(lanes)};
   });
   const auto run_block = [&](std::size_t block) {
     throw_if_interrupted("lanes");
@@ -106,7 +122,7 @@ std::vector<LaneTrace> trace_lanes(const LaneScene& scene, const std::vector<Lan
                                    const LaneOptions& options) {
   std::vector<LaneTrace> traces;
   if (designs.empty()) return traces;
-  LaneBlock block(scene, designs.front(), choose_instructions(options));
+  LaneBlock block(scene, designs.front(), choose_instructions(options), LaneBlock::Positions::all);
   constexpr auto lanes = static_cast<std::size_t>(lanes_per_block);
   for (std::size_t first = 0; first < designs.size(); first += lanes) {
     const std::size_t size = std::min(lanes, designs.size() - first);
