@@ -93,11 +93,8 @@ void write_column(hid_t file, const Column& column) {
   for (const auto& [name, value] : column.attributes) write_attribute(dataset.get(), name, value);
 }
 
-// A file in memory: it is written by what writes all files whole or not at all.
-Hdf5Handle create_file_in_memory() {
-  constexpr std::size_t growth = std::size_t{1} << 20U;
+Hdf5Handle create_file(const std::string& path) {
   const Hdf5Handle access(checked(H5Pcreate(H5P_FILE_ACCESS), "a file"), H5Pclose);
-  checked(H5Pset_fapl_core(access.get(), growth, 0), "a file");
   checked(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18), "a file");
   const Hdf5Handle creation(checked(H5Pcreate(H5P_FILE_CREATE), "a file"), H5Pclose);
   const unsigned ordered = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
@@ -106,7 +103,7 @@ Hdf5Handle create_file_in_memory() {
   checked(H5Pset_obj_track_times(creation.get(), 0), "a file");
   // Attributes stand in a heap, for a model's text may be longer than an object's header.
   checked(H5Pset_attr_phase_change(creation.get(), 0, 0), "a file");
-  return {checked(H5Fcreate("columns.h5", H5F_ACC_TRUNC, creation.get(), access.get()), "a file"),
+  return {checked(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), "a file"),
           H5Fclose};
 }
 
@@ -228,18 +225,23 @@ std::string ColumnFile::attribute(std::string_view key) const {
   return {};
 }
 
-std::string build_hdf5(const ColumnFile& file) {
+void write_hdf5(const std::string& path, const ColumnFile& file, Durability durability) {
   silence_library();
-  const Hdf5Handle handle = create_file_in_memory();
-  for (const auto& [name, value] : file.attributes) write_attribute(handle.get(), name, value);
-  for (const Column& column : file.columns) write_column(handle.get(), column);
-  checked(H5Fflush(handle.get(), H5F_SCOPE_GLOBAL), "a file");
-  const ssize_t size = H5Fget_file_image(handle.get(), nullptr, 0);
-  if (size < 0) throw Error(ErrorCode::numerical, "HDF5", "the file's image is not to be had");
-  std::string bytes(static_cast<std::size_t>(size), '\0');
-  if (H5Fget_file_image(handle.get(), bytes.data(), bytes.size()) != size)
-    throw Error(ErrorCode::numerical, "HDF5", "the file's image is not to be had");
-  return bytes;
+  OutputFile output(path);
+  if (output.temporary().empty()) {
+    throw Error(ErrorCode::bad_input, path,
+                "is no ordinary file: an HDF5 file cannot be written in one stream");
+  }
+  try {
+    Hdf5Handle handle = create_file(output.temporary().string());
+    for (const auto& [name, value] : file.attributes) write_attribute(handle.get(), name, value);
+    for (const Column& column : file.columns) write_column(handle.get(), column);
+    // What is still in memory shows only now whether there is room for it.
+    checked(handle.close(), "a file");
+  } catch (const Error& error) {
+    throw Error(ErrorCode::bad_input, path, "cannot be written: HDF5: " + error.message());
+  }
+  output.commit(durability);
 }
 
 ColumnFile read_hdf5(const std::string& path) {

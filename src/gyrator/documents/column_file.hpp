@@ -1,5 +1,7 @@
 #pragma once
 
+#include "gyrator/documents/output_file.hpp"
+
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -35,13 +37,14 @@ struct ColumnFile {
   std::string attribute(std::string_view key) const;
 };
 
-/// The bytes of an HDF5 file: one dataset of one dimension per column, its attributes and the
-/// file's on the root group, in order of creation; texts in UTF-8 of any length. It holds no times
-/// and nothing of the machine: the same columns give the same bytes.
-/// Throws numerical where the HDF5 library gives up (memory).
-std::string build_hdf5(const ColumnFile& file);
+/// Writes an HDF5 file, whole or not at all: one dataset of one dimension per column, its
+/// attributes and the file's on the root group, in order of creation; texts in UTF-8 of any length.
+/// It holds no times and nothing of the machine: the same columns give the same bytes. Throws
+/// bad_input for a path that cannot be written, or is no ordinary file.
+void write_hdf5(const std::string& path, const ColumnFile& file,
+                Durability durability = Durability::as_the_system_likes);
 
-/// What build_hdf5 wrote; datasets and attributes of other kinds are passed over. Throws bad_input
+/// What write_hdf5 wrote; datasets and attributes of other kinds are passed over. Throws bad_input
 /// for a file that is missing, cannot be read, or is no HDF5 file.
 ColumnFile read_hdf5(const std::string& path);
 

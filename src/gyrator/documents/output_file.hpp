@@ -33,6 +33,10 @@ class OutputFile {
 
   std::ostream& stream() { return stream_; }
 
+  /// Where a library that writes files by their name has to write, instead of to the stream; to be
+  /// closed before commit(). Empty where the target is written directly.
+  const std::filesystem::path& temporary() const { return temporary_; }
+
   /// Flushes and renames; the stream must not be written afterwards. A second call does nothing.
   void commit(Durability durability = Durability::as_the_system_likes);
 

@@ -135,8 +135,7 @@ SweepTable make_sweep_table(const SweepPlan& plan, const SweepStore& store,
 
 void write_sweep_file(const std::string& path, const SweepPlan& plan, const SweepStore& store,
                       const std::string& command_line) {
-  write_text_file(path, build_hdf5(make_sweep_table(plan, store, command_line).file),
-                  Durability::before_rename);
+  write_hdf5(path, make_sweep_table(plan, store, command_line).file, Durability::before_rename);
 }
 
 SweepTable read_sweep(const std::string& path) {

@@ -20,7 +20,7 @@ SweepPlan plan_of(const std::string& vary) {
   study.file = study.model_file = "model.json";
   study.model_text =
       R"({"motion": "rotary", "name": "test", "mechanics": {"inertia": 2e-5, "damping": 1e-4},
-    "amplifier": {"kind": "ideal"},
+    "amplifier": {"kind": "ideal"}, "sampling": {"period": "1 ms"},
     "controller": {"kind": "virtual_wall", "stiffness": 0.4, "damping": 1.5e-4}})";
   study.analysis = "zwidth";
   study.vary.push_back(parse_variation(vary));
