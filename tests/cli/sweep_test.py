@@ -321,13 +321,13 @@ class JournalTest(SweepTest):
         self.assertEqual(self.read("sweep.h5"), self.read("whole.h5"))
 
     def test_ctrl_c_says_what_is_kept_and_the_same_command_goes_on(self):
-        self.sweep(*LONG, output="whole.h5")
-        answer = self.interrupt("study", "run", self.model, *LONG, "--threads", 1, "-o", "sweep.h5")
+        self.sweep(*LONG, "--keep-going", output="whole.h5")
+        answer = self.interrupt("study", "run", self.model, *LONG, "--threads", 1, "--keep-going", "-o", "sweep.h5")
         self.assertEqual(answer.code, 130, answer)
         self.assertRegex(answer.err, r"interrupted: \d+ of 600 points are kept in sweep.h5.journal; the same command")
         self.assertNotIn("sweep.h5", self.files())
         kept = int(answer.err.split("interrupted: ")[1].split()[0])
-        self.assertEqual(self.sweep(*LONG, "--json").json["resumed"], kept)
+        self.assertEqual(self.sweep(*LONG, "--keep-going", "--json").json["resumed"], kept)
         self.assertEqual(self.read("sweep.h5"), self.read("whole.h5"))
 
     def test_the_journal_of_another_study_is_refused_unless_thrown_away(self):

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -15,9 +16,9 @@ class ByteWriter {
   template <class T>
   void put(T number) {
     static_assert(std::is_arithmetic_v<T>);
-    char raw[sizeof(T)];
-    std::memcpy(raw, &number, sizeof(T));
-    bytes_.append(raw, sizeof(T));
+    std::array<char, sizeof(T)> raw{};
+    std::memcpy(raw.data(), &number, sizeof(T));
+    bytes_.append(raw.data(), raw.size());
   }
   void put_text(std::string_view text);
 
@@ -36,7 +37,7 @@ class ByteReader {
   template <class T>
   T take() {
     static_assert(std::is_arithmetic_v<T>);
-    T number;
+    T number{};
     std::memcpy(&number, take_raw(sizeof(T)).data(), sizeof(T));
     return number;
   }

@@ -43,7 +43,7 @@ void write_attribute(hid_t owner, const std::string& name, const ColumnFile::Att
     return;
   }
   // Of the text's own length: many readers know no other attributes than these.
-  const std::string& text = std::get<std::string>(value);
+  const auto& text = std::get<std::string>(value);
   const Hdf5Handle type(checked(H5Tcopy(H5T_C_S1), "a text type"), H5Tclose);
   checked(H5Tset_size(type.get(), std::max<std::size_t>(1, text.size())), "a text type");
   checked(H5Tset_strpad(type.get(), H5T_STR_NULLPAD), "a text type");
@@ -83,7 +83,7 @@ void write_column(hid_t file, const Column& column) {
   const hsize_t length = column.size();
   const Hdf5Handle space(checked(H5Screate_simple(1, &length, nullptr), "a column"), H5Sclose);
   const Hdf5Handle properties(checked(H5Pcreate(H5P_DATASET_CREATE), "a column"), H5Pclose);
-  checked(H5Pset_obj_track_times(properties.get(), 0), "a column");
+  checked(H5Pset_obj_track_times(properties.get(), false), "a column");
   checked(H5Pset_attr_creation_order(properties.get(), H5P_CRT_ORDER_TRACKED), "a column");
   const Hdf5Handle dataset(checked(H5Dcreate2(file, column.name.c_str(), type.stored, space.get(),
                                               H5P_DEFAULT, properties.get(), H5P_DEFAULT),
@@ -100,7 +100,7 @@ Hdf5Handle create_file(const std::string& path) {
   const unsigned ordered = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
   checked(H5Pset_link_creation_order(creation.get(), ordered), "a file");
   checked(H5Pset_attr_creation_order(creation.get(), ordered), "a file");
-  checked(H5Pset_obj_track_times(creation.get(), 0), "a file");
+  checked(H5Pset_obj_track_times(creation.get(), false), "a file");
   // Attributes stand in a heap, for a model's text may be longer than an object's header.
   checked(H5Pset_attr_phase_change(creation.get(), 0, 0), "a file");
   return {checked(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), "a file"),
@@ -126,7 +126,7 @@ std::optional<ColumnFile::Attribute> read_attribute(hid_t attribute) {
 // In order of creation where the object kept it, else by name.
 template <class Take>
 void read_attributes(hid_t owner, const Take& take) {
-  H5O_info_t info;
+  H5O_info_t info{};
   if (H5Oget_info(owner, &info) < 0) return;
   for (hsize_t i = 0; i < info.num_attrs; ++i) {
     const Hdf5Handle attribute(
@@ -155,6 +155,7 @@ std::optional<Column::Values> read_texts(hid_t dataset, hid_t space, std::size_t
   if (length > 0 && H5Dread(dataset, type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, raw.data()) < 0)
     return std::nullopt;
   std::vector<std::string> texts;
+  texts.reserve(length);
   for (const char* text : raw) texts.emplace_back(text == nullptr ? "" : text);
   H5Dvlen_reclaim(type.get(), space, H5P_DEFAULT, raw.data());
   return texts;
@@ -256,7 +257,7 @@ ColumnFile read_hdf5(const std::string& path) {
   read_attributes(file.get(), [&](const std::string& name, ColumnFile::Attribute value) {
     result.attributes.emplace_back(name, std::move(value));
   });
-  H5G_info_t group;
+  H5G_info_t group{};
   if (H5Gget_info(file.get(), &group) < 0) return result;
   for (hsize_t i = 0; i < group.nlinks; ++i) {
     if (auto column = read_column(file.get(), i)) result.columns.push_back(std::move(*column));

@@ -50,7 +50,7 @@ std::vector<std::string> list_keys(const ObjectSpec& spec) {
 
 class Walk {
  public:
-  Walk(const json& normal, const Member& root) : value_(&normal), member_(root) {}
+  Walk(const json& normal, Member root) : value_(&normal), member_(std::move(root)) {}
 
   void enter(const std::string& key) {
     if (member_.is_list) return enter_item(key);

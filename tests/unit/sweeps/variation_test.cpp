@@ -175,6 +175,7 @@ TEST(SweepPlan, a_random_point_depends_on_seed_and_number_alone) {
     EXPECT_EQ(plan.values_at(i)[1].number, shorter.values_at(i)[1].number);
     EXPECT_NE(plan.values_at(i)[1].number, other.values_at(i)[1].number);
     EXPECT_NE(plan.values_at(i)[0].number, plan.values_at(i)[1].number);
+    EXPECT_NE(plan.values_at(i)[0].number, plan.values_at(i + 1)[0].number);
   }
 }
 
