@@ -9,3 +9,7 @@ find_package(NLopt REQUIRED)
 find_package(muparser REQUIRED)
 find_package(TBB 2021 REQUIRED)
 find_package(OpenSSL 3.0 REQUIRED COMPONENTS Crypto)
+list(APPEND CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR})
+find_package(SerialHdf5 REQUIRED)
+# Without it `study run` works on one machine only.
+find_package(MPI COMPONENTS CXX)

@@ -3,6 +3,7 @@ import pathlib, re, sys
 
 MAY_INCLUDE = {
     "core": set(),
+    "nodes": {"core"},
     "circuits": {"core"},
     "controllers": {"core"},
     "mechanics": {"core", "circuits"},
@@ -15,7 +16,8 @@ MAY_INCLUDE = {
     "documents": {"core"},
     "plots": {"core", "documents"},
     "studies": {"core", "circuits", "controllers", "mechanics", "verification", "cosim", "lanes", "passivity", "two_port", "robustness", "documents", "plots"},
-    "app": {"core", "documents", "plots", "studies"},
+    "sweeps": {"core", "nodes", "circuits", "controllers", "mechanics", "cosim", "passivity", "documents", "plots", "studies"},
+    "app": {"core", "nodes", "documents", "plots", "studies", "sweeps"},
 }
 root = pathlib.Path(__file__).resolve().parent.parent / "src" / "gyrator"
 wrong = []

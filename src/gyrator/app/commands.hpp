@@ -18,6 +18,7 @@ void add_schema_command(CLI::App& app, int& exit_code);
 void add_stability_map_command(CLI::App& app, int& exit_code);
 void add_tolerance_command(CLI::App& app, int& exit_code);
 void add_two_port_command(CLI::App& app, int& exit_code);
+void add_study_command(CLI::App& app, int& exit_code);
 void add_schematic_command(CLI::App& app, int& exit_code);
 void add_environment_command(CLI::App& app, int& exit_code);
 void add_workspace_command(CLI::App& app, int& exit_code);

@@ -180,13 +180,16 @@ Rational parse_option_time(const std::string& option, const std::string& text) {
   return time;
 }
 
+std::string quote_word(const std::string& word) {
+  const bool plain = word.find_first_of(" '\"$&|;<>()*?#") == std::string::npos && !word.empty();
+  return plain ? word : "'" + word + "'";
+}
+
 void remember_command_line(int argc, char** argv) {
   std::string& text = command_line();
   text = "gyrator";
   for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    const bool plain = word.find_first_of(" '\"$&|;<>()*?#") == std::string::npos && !word.empty();
-    text += " " + (plain ? word : "'" + word + "'");
+    text += " " + quote_word(argv[i]);
   }
 }
 

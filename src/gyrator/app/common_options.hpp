@@ -65,6 +65,9 @@ std::vector<double> parse_list(const std::string& option, const std::string& tex
 double parse_option(const std::string& option, const std::string& text, const Unit& unit);
 Rational parse_option_time(const std::string& option, const std::string& text);
 
+/// A word as a shell takes it, in quotes where it must be.
+std::string quote_word(const std::string& word);
+
 /// The command line as typed, kept in every result.
 void remember_command_line(int argc, char** argv);
 

@@ -39,6 +39,7 @@ int run(int argc, char** argv) {
   gyrator::app::add_simulate_command(app, exit_code);
   gyrator::app::add_stability_map_command(app, exit_code);
   gyrator::app::add_tolerance_command(app, exit_code);
+  gyrator::app::add_study_command(app, exit_code);
   gyrator::app::add_two_port_command(app, exit_code);
   gyrator::app::add_environment_command(app, exit_code);
   gyrator::app::add_workspace_command(app, exit_code);

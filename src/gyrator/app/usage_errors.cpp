@@ -87,7 +87,12 @@ std::string describe_usage_error(const CLI::App& app, const CLI::ParseError& err
   const auto words = app.remaining();
   if (chosen.empty()) return describe_missing_command(app, words);
   const CLI::App& command = *chosen.front();
+  // Of `study run` the inner one, if it was named.
+  const bool has_inner = !list_commands(command).empty();
+  if (has_inner && !command.get_subcommands().empty()) return describe_usage_error(command, error);
   const std::string help = fmt::format(" (`gyrator {} --help` describes it)", command.get_name());
+  if (has_inner)
+    return command.get_name() + ": " + describe_missing_command(command, command.remaining());
   if (!words.empty()) {
     return fmt::format("'{}' stands before the command: write gyrator {} {}{}", words.front(),
                        command.get_name(), words.front(), help);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <chrono>
+#include <optional>
 #include <string_view>
 
 namespace gyrator {
@@ -17,8 +19,34 @@ bool interrupt_requested();
 /// still ends the process.
 void acknowledge_interrupt();
 
-/// Throws Error interrupted ("place: interrupted") once the user has pressed Ctrl-C.
+/// Throws Error interrupted ("place: interrupted") once the user has pressed Ctrl-C, and numerical
+/// once the time of this thread's TimeLimit is over.
 /// Call it at safe points: between designs of a map, samples of a run, rows of a file.
 void throw_if_interrupted(std::string_view place);
+
+/// What this thread computes while the object lives may take so long [s], and is stopped at the
+/// first safe point after it. One at a time in a thread; work handed to other threads is not
+/// counted.
+class TimeLimit {
+ public:
+  /// None: no limit.
+  explicit TimeLimit(std::optional<double> seconds);
+  ~TimeLimit();
+
+  TimeLimit(const TimeLimit&) = delete;
+  TimeLimit& operator=(const TimeLimit&) = delete;
+  TimeLimit(TimeLimit&&) = delete;
+  TimeLimit& operator=(TimeLimit&&) = delete;
+
+  /// Whether something was stopped for it.
+  bool has_stopped() const { return stopped_; }
+
+ private:
+  friend void throw_if_interrupted(std::string_view place);
+
+  std::optional<double> seconds_;
+  std::chrono::steady_clock::time_point end_;
+  bool stopped_ = false;
+};
 
 }  // namespace gyrator

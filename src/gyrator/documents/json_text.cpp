@@ -206,7 +206,7 @@ std::string suggest_file(const std::filesystem::path& path) {
 
 }  // namespace
 
-nlohmann::json load_json_file(const std::filesystem::path& path) {
+std::string load_json_text(const std::filesystem::path& path) {
   const std::string name = path.string();
   std::error_code code;
   const auto status = std::filesystem::status(path, code);
@@ -226,7 +226,11 @@ nlohmann::json load_json_file(const std::filesystem::path& path) {
     }
   }
   if (file.bad()) refuse(name, fmt::format("cannot be read: {}", std::strerror(errno)));
-  return parse_json_text(text, name);
+  return text;
+}
+
+nlohmann::json load_json_file(const std::filesystem::path& path) {
+  return parse_json_text(load_json_text(path), path.string());
 }
 
 nlohmann::json parse_json_text(std::string_view text, const std::string& name) {

@@ -17,6 +17,9 @@ inline constexpr std::size_t max_json_bytes = std::size_t{64} << 20U;
 /// all that parse_json_text refuses.
 nlohmann::json load_json_file(const std::filesystem::path& path);
 
+/// The file's text alone, for parse_json_text. Throws bad_input for what cannot be read.
+std::string load_json_text(const std::filesystem::path& path);
+
 /// The JSON value in a text; `name` is the place in errors. Throws bad_input for an empty text,
 /// binary or ill-formed UTF-8, a syntax error (line, column, what was expected, the line with a
 /// caret), nesting deeper than max_json_depth, a key given twice in one object (JSON pointer), and

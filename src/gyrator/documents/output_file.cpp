@@ -26,6 +26,15 @@ std::filesystem::path name_beside(const std::filesystem::path& target) {
   return target.parent_path() / name;
 }
 
+void sync_file(const std::filesystem::path& file, const std::string& name) {
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-vararg): POSIX declares open() so
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) fail(name, errno);
+  const int reason = ::fsync(descriptor) == 0 ? 0 : errno;
+  ::close(descriptor);
+  if (reason != 0) fail(name, reason);
+}
+
 }  // namespace
 
 OutputFile::OutputFile(const std::string& path) : path_(path) {
@@ -66,13 +75,16 @@ OutputFile::~OutputFile() {
   std::filesystem::remove(temporary_, ignored);
 }
 
-void OutputFile::commit() {
+void OutputFile::commit(Durability durability) {
   if (committed_) return;
   errno = 0;
   stream_.close();  // flushes; a full disk shows here or in an earlier write
   if (!stream_) fail(path_, errno != 0 ? errno : EIO);
+  const bool lasting = durability == Durability::before_rename && !temporary_.empty();
+  if (lasting) sync_file(temporary_, path_);
   if (!temporary_.empty() && ::rename(temporary_.c_str(), target_.c_str()) != 0) fail(path_, errno);
   committed_ = true;
+  if (lasting) sync_folder(target_.parent_path());
 }
 
 void check_writable(const std::string& path) {
@@ -88,10 +100,19 @@ void check_writable(const std::string& path) {
   }
 }
 
-void write_text_file(const std::string& path, std::string_view text) {
+void write_text_file(const std::string& path, std::string_view text, Durability durability) {
   OutputFile file(path);
   file.stream().write(text.data(), static_cast<std::streamsize>(text.size()));
-  file.commit();
+  file.commit(durability);
+}
+
+void sync_folder(const std::filesystem::path& folder) {
+  const std::filesystem::path named = folder.empty() ? "." : folder;
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-vararg): POSIX declares open() so
+  const int descriptor = ::open(named.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  ::fsync(descriptor);
+  ::close(descriptor);
 }
 
 }  // namespace gyrator

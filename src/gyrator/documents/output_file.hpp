@@ -8,6 +8,9 @@
 
 namespace gyrator {
 
+/// Whether a file is on the disk, and not only in the system's memory, before it takes its name.
+enum class Durability { as_the_system_likes, before_rename };
+
 /// A file that appears whole or not at all: written beside its target, then renamed over it.
 ///
 ///     OutputFile file("trace.csv");
@@ -30,8 +33,12 @@ class OutputFile {
 
   std::ostream& stream() { return stream_; }
 
+  /// Where a library that writes files by their name has to write, instead of to the stream; to be
+  /// closed before commit(). Empty where the target is written directly.
+  const std::filesystem::path& temporary() const { return temporary_; }
+
   /// Flushes and renames; the stream must not be written afterwards. A second call does nothing.
-  void commit();
+  void commit(Durability durability = Durability::as_the_system_likes);
 
  private:
   std::string path_;                 // as the user wrote it, for messages
@@ -45,6 +52,11 @@ class OutputFile {
 void check_writable(const std::string& path);
 
 /// Writes `text` to `path`, whole or not at all. Errors as for OutputFile.
-void write_text_file(const std::string& path, std::string_view text);
+void write_text_file(const std::string& path, std::string_view text,
+                     Durability durability = Durability::as_the_system_likes);
+
+/// Makes what was renamed, made or removed in a folder lasting; where the system cannot, nothing
+/// happens.
+void sync_folder(const std::filesystem::path& folder);
 
 }  // namespace gyrator

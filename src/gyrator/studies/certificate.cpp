@@ -1,12 +1,11 @@
 #include "gyrator/studies/certificate.hpp"
 
 #include "gyrator/core/error.hpp"
+#include "gyrator/documents/digest.hpp"
 #include "gyrator/studies/result_parts.hpp"
 
-#include <array>
 #include <cmath>
 #include <numbers>
-#include <openssl/evp.h>
 
 #include <fmt/core.h>
 
@@ -152,14 +151,7 @@ std::string canonical_text(const json& certificate) {
 }
 
 std::string compute_digest(const json& certificate) {
-  const std::string text = canonical_text(certificate);
-  std::array<unsigned char, EVP_MAX_MD_SIZE> hash{};
-  unsigned int length = 0;
-  if (EVP_Digest(text.data(), text.size(), hash.data(), &length, EVP_sha256(), nullptr) != 1)
-    throw Error(ErrorCode::numerical, "digest", "SHA-256 is not available");
-  std::string digest = "sha256:";
-  for (unsigned int i = 0; i < length; ++i) digest += fmt::format("{:02x}", hash[i]);
-  return digest;
+  return "sha256:" + compute_sha256(canonical_text(certificate));
 }
 
 }  // namespace gyrator
