@@ -73,7 +73,7 @@ TEST(TimeMap, tells_of_each_cell_what_the_reference_engine_tells) {
   const Plant plant = build_moving_plant(build_device_network(model.device, model.held_by));
   RandomStream random(7, 0);
   std::vector<int> counts(3);
-  for (int n = 0; n < 24; ++n) {
+  for (int n = 0; n < 200; ++n) {
     const auto i = static_cast<std::size_t>(random.uniform() * 16);
     const auto j = static_cast<std::size_t>(random.uniform() * 16);
     Controller controller = model.controller;

@@ -33,7 +33,9 @@ std::vector<Curve> time_map_cells(const json& boundary) {
   for (const auto& [title, colour] : classes)
     curves.push_back({title, {}, {}, CurveStyle::boxes, colour});
   for (std::size_t j = 0; j < damping.size(); ++j) {
-    const auto [left, right] = cell_edges(damping, j);
+    auto [left, right] = cell_edges(damping, j);
+    // A little over the next column, which is drawn later: no seams.
+    if (j + 1 < damping.size()) right += 0.03 * (right - left);
     // Cells of one class above one another are one box.
     for (std::size_t i = 0; i < std::min(stiffness.size(), rows.size());) {
       const int outcome = rows[i].at(j).get<int>();
