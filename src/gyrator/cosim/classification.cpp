@@ -1,9 +1,10 @@
 #include "gyrator/cosim/classification.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <span>
+
+#include <Eigen/Core>
 
 namespace gyrator {
 namespace {
@@ -16,25 +17,10 @@ struct Range {
   double low, high;
 };
 
-// Four at a time, each without waiting for the others: maps classify tens of thousands of runs.
 Range find_range(std::span<const double> values) {
-  constexpr std::size_t strands = 4;
-  std::array<Range, strands> parts;
-  parts.fill({values.front(), values.front()});
-  const auto include = [](Range& range, double value) {
-    range.low = value < range.low ? value : range.low;
-    range.high = value > range.high ? value : range.high;
-  };
-  std::size_t i = 0;
-  for (; i + strands <= values.size(); i += strands) {
-    for (std::size_t j = 0; j < strands; ++j) include(parts[j], values[i + j]);
-  }
-  for (; i < values.size(); ++i) include(parts[0], values[i]);
-  for (const Range& part : parts) {
-    include(parts[0], part.low);
-    include(parts[0], part.high);
-  }
-  return parts[0];
+  const Eigen::Map<const Eigen::ArrayXd> all(values.data(),
+                                             static_cast<Eigen::Index>(values.size()));
+  return {all.minCoeff(), all.maxCoeff()};
 }
 
 double half_swing(std::span<const double> values) {
@@ -135,45 +121,52 @@ std::string_view name_of(Outcome outcome) {
   return "diverges";
 }
 
-Classification classify(const std::vector<double>& position, const std::vector<double>& velocity,
-                        double period, bool stopped_early, const ClassificationOptions& options) {
+std::optional<Classification> classify_oscillation(const LateMotion& motion, double period,
+                                                   const ClassificationOptions& options) {
+  const std::vector<Cycle> cycles = find_cycles(motion.velocity);
+  if (cycles.size() < fewest_cycles) return std::nullopt;
+  const Growth growth = find_growth(cycles, static_cast<double>(motion.samples) / 6);
   Classification c;
-  const std::span<const double> all(velocity);
-  const std::size_t third = velocity.size() / 3;
-  std::vector<Cycle> cycles;
-  for (const std::size_t window : {third, 2 * third, velocity.size()}) {
-    cycles = find_cycles(all.last(window));
-    if (cycles.size() >= fewest_cycles) break;
-  }
-  const bool oscillates = cycles.size() >= fewest_cycles;
-  bool known = true;  // whether growth stands out from the scatter of the cycles
-  const double largest = half_swing(all);
-  const double late = half_swing(all.last(third / 2));
-  if (oscillates) {
-    const Growth found = find_growth(cycles, static_cast<double>(velocity.size()) / 6);
-    c.growth = found.factor;
-    if (found.factor > 0) known = std::abs(std::log(found.factor)) > certain * found.error;
-    c.frequency_hz =
-        static_cast<double>(cycles.size()) / ((cycles.back().end - cycles.front().start) * period);
-  } else {
-    c.growth = find_steady_growth(all);
-    // A single bounce that takes a third of the run and more is no rest: its size tells.
-    const double first_third = half_swing(all.first(third));
-    const double last_third = half_swing(all.last(third));
-    if (c.growth == 0 && first_third > 0 && last_third > half_swing(all) / 2)
-      c.growth = std::sqrt(last_third / first_third);
-  }
-  c.amplitude = half_swing(std::span(position).last(third));
-  if (stopped_early) {
-    c.outcome = Outcome::diverges;
-  } else if (!known && late > options.rest_fraction * largest) {
-    c.outcome = Outcome::limit_cycle;
-  } else if (late <= options.rest_fraction * largest || c.growth < 1 / options.growth_limit ||
-             (!oscillates && c.growth <= options.growth_limit)) {
+  c.growth = growth.factor;
+  c.amplitude = half_swing(motion.position);
+  c.frequency_hz =
+      static_cast<double>(cycles.size()) / ((cycles.back().end - cycles.front().start) * period);
+  // Whether growth stands out from the scatter of the cycles.
+  const bool known =
+      !(growth.factor > 0) || std::abs(std::log(growth.factor)) > certain * growth.error;
+  const bool rests = motion.last_swing <= options.rest_fraction * motion.largest_swing;
+  if (rests || (known && c.growth < 1 / options.growth_limit)) {
     c.outcome = Outcome::settles;
   } else {
-    c.outcome = c.growth > options.growth_limit ? Outcome::diverges : Outcome::limit_cycle;
+    c.outcome = known && c.growth > options.growth_limit ? Outcome::diverges : Outcome::limit_cycle;
   }
+  return c;
+}
+
+Classification classify(const std::vector<double>& position, const std::vector<double>& velocity,
+                        double period, bool stopped_early, const ClassificationOptions& options) {
+  const std::span<const double> all(velocity);
+  const std::size_t third = velocity.size() / 3;
+  LateMotion motion{std::span(position).last(third), all.last(third), velocity.size(),
+                    half_swing(all), half_swing(all.last(third / 2))};
+  Classification c;
+  for (const std::size_t window : {third, 2 * third, velocity.size()}) {
+    motion.velocity = all.last(window);
+    if (const auto found = classify_oscillation(motion, period, options)) {
+      c = *found;
+      if (stopped_early) c.outcome = Outcome::diverges;
+      return c;
+    }
+  }
+  c.amplitude = half_swing(motion.position);
+  c.growth = find_steady_growth(all);
+  // A single bounce that takes a third of the run and more is no rest: its size tells.
+  const double first_third = half_swing(all.first(third));
+  const double last_third = half_swing(all.last(third));
+  if (c.growth == 0 && first_third > 0 && last_third > motion.largest_swing / 2)
+    c.growth = std::sqrt(last_third / first_third);
+  const bool rests = motion.last_swing <= options.rest_fraction * motion.largest_swing;
+  if (stopped_early || (!rests && c.growth > options.growth_limit)) c.outcome = Outcome::diverges;
   return c;
 }
 

@@ -137,7 +137,7 @@ void LaneBlock::set_law(const LaneLaw& design, int lane) {
 void LaneBlock::set_start(const LaneDesign& design, int lane) {
   const SimulationOptions& o = scene_.options;
   const LanePlant& plant = *design.plant;
-  const Eigen::VectorXd xi = plant.plant.initial_state(o.initial_position, o.initial_velocity);
+  const Eigen::VectorXd xi = plant.initial_state(o.initial_position, o.initial_velocity);
   auto at = static_cast<std::size_t>(lane);
   for (Eigen::Index i = 0; i < xi.size(); ++i, at += lanes_per_block) xi_[at] = xi(i);
   // The law starts as if its first sample had been there for ever.

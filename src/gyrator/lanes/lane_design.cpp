@@ -31,6 +31,20 @@ std::string find_plant_obstacle(const Plant& plant) {
   return {};
 }
 
+// A signal that is one state times a factor becomes that state, counted in the signal's own unit:
+// the kernel reads it then as it is.
+void scale_to_signal(LanePlant& lane, const Eigen::RowVectorXd& signal) {
+  Eigen::Index at = 0;
+  if ((signal.array() != 0).count() != 1) return;
+  signal.cwiseAbs().maxCoeff(&at);
+  const double factor = signal(at);
+  if (factor == 1) return;
+  lane.propagate.row(at) *= factor;
+  lane.propagate.col(at) /= factor;
+  lane.scale(at) *= factor;
+  for (auto* row : {&lane.sensed, &lane.position, &lane.velocity}) (*row)(at) /= factor;
+}
+
 }  // namespace
 
 LanePlant make_lane_plant(const Plant& plant, const Sampling& sampling) {
@@ -54,6 +68,9 @@ LanePlant make_lane_plant(const Plant& plant, const Sampling& sampling) {
     lane.propagate << second.phi, Eigen::VectorXd::Zero(n), second.gamma.col(0),
         second.gamma.col(1);
   }
+  lane.scale = Eigen::VectorXd::Ones(n);
+  scale_to_signal(lane, plant.sensor_position.state);
+  scale_to_signal(lane, Eigen::RowVectorXd(lane.velocity));
   return lane;
 }
 

@@ -21,7 +21,12 @@ struct LanePlant {
   Eigen::RowVectorXd sensed, position, velocity;
   double largest_push = 0;  ///< largest rate of a state per effort at the port
   SplitDelay delay;
-  Plant plant;  ///< for states at the start
+  Eigen::VectorXd scale;  ///< of each state here, against the plant's own
+  Plant plant;            ///< for states at the start
+
+  Eigen::VectorXd initial_state(double at, double moving) const {
+    return scale.cwiseProduct(plant.initial_state(at, moving));
+  }
 
   Eigen::Index states() const { return propagate.rows(); }
 };

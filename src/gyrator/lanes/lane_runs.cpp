@@ -16,47 +16,47 @@ namespace {
 struct Worker {
   LaneBlock block;
   std::vector<LaneDesign> designs;
-  std::vector<std::vector<double>> position, velocity;  // of each lane that has to be looked at
+  std::vector<double> position, velocity;
 };
 
-// Lanes as series, in one pass over the block; of positions the last third, which is all that
-// classify() reads.
-void copy_lanes(Worker& worker, const std::vector<int>& lanes, long rows) {
-  const long first_position = rows - rows / 3;
-  for (std::size_t i = 0; i < lanes.size(); ++i) {
-    worker.position[i].resize(static_cast<std::size_t>(rows));
-    worker.velocity[i].resize(static_cast<std::size_t>(rows));
-  }
-  for (long row = 0; row < rows; ++row) {
-    const auto at = static_cast<std::size_t>(row);
-    for (std::size_t i = 0; i < lanes.size(); ++i)
-      worker.velocity[i][at] = worker.block.velocity(row, lanes[i]);
-    if (row < first_position) continue;
-    for (std::size_t i = 0; i < lanes.size(); ++i)
-      worker.position[i][at] = worker.block.position(row, lanes[i]);
-  }
+// The rows of a lane from `first` on, at the end of `to`.
+void copy_velocity(const LaneBlock& block, int lane, long first, std::vector<double>& to) {
+  for (std::size_t row = static_cast<std::size_t>(first); row < to.size(); ++row)
+    to[row] = block.velocity(static_cast<long>(row), lane);
 }
 
 // As classify(), most of whose work is not needed where a lane ran away or came to rest.
 void classify_block(Worker& worker, std::size_t size, const LaneScene& scene, Classification* to) {
   const LaneBlock& block = worker.block;
   const ClassificationOptions& options = scene.options.classification;
+  const double period = scene.sampling.period.to_double();
   const long rows = floor_divide(scene.options.duration, scene.sampling.period) + 1;
+  const auto count = static_cast<std::size_t>(rows);
+  const std::size_t third = count / 3;
+  const long last_third = rows - rows / 3;
   const auto largest = block.half_swings(0, rows);
   const auto late = block.half_swings(rows - rows / 3 / 2, rows);
-  std::vector<int> lanes;
+  worker.position.resize(count);
+  worker.velocity.resize(count);
   for (std::size_t i = 0; i < size; ++i) {
+    const int lane = static_cast<int>(i);
     to[i] = {};
-    if (block.ran_away(static_cast<int>(i))) {
+    if (block.ran_away(lane)) {
       to[i].outcome = Outcome::diverges;
-    } else if (late[i] > options.rest_fraction * largest[i]) {  // else it settles
-      lanes.push_back(static_cast<int>(i));
+      continue;
     }
-  }
-  copy_lanes(worker, lanes, rows);
-  for (std::size_t i = 0; i < lanes.size(); ++i) {
-    to[lanes[i]] = classify(worker.position[i], worker.velocity[i],
-                            scene.sampling.period.to_double(), false, options);
+    if (late[i] <= options.rest_fraction * largest[i]) continue;  // settles
+    copy_velocity(block, lane, last_third, worker.velocity);
+    for (long row = last_third; row < rows; ++row)
+      worker.position[static_cast<std::size_t>(row)] = block.position(row, lane);
+    const LateMotion motion{std::span(worker.position).last(third),
+                            std::span(worker.velocity).last(third), count, largest[i], late[i]};
+    if (const auto found = classify_oscillation(motion, period, options)) {
+      to[i] = *found;
+      continue;
+    }
+    copy_velocity(block, lane, 0, worker.velocity);
+    to[i] = classify(worker.position, worker.velocity, period, false, options);
   }
 }
 
@@ -99,8 +99,9 @@ std::vector<Classification> classify_lanes(
   constexpr auto lanes = static_cast<std::size_t>(lanes_per_block);
   tbb::enumerable_thread_specific<Worker> workers([&] {
     return Worker{LaneBlock(scene, example, instructions, LaneBlock::Positions::last_third),
-                  std::vector<LaneDesign>(lanes), std::vector<std::vector<double>>(lanes),
-                  std::vector<std::vector<double>>(lanes)};
+                  std::vector<LaneDesign>(lanes),
+                  {},
+                  {}};
   });
   const auto run_block = [&](std::size_t block) {
     throw_if_interrupted("lanes");
