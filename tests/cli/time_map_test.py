@@ -43,10 +43,21 @@ class TimeMap(unittest.TestCase):
         self.assertEqual([g["kind"] for g in cells["gestures"]], ["hit", "hold"])
         self.assertEqual(cells["outcome"], [[0], [2]])
 
+    def test_what_only_the_map_has_is_refused_without_it(self):
+        for option in ("--rows=9", "--stiffness=0..1", "--gesture=hit", "--duration=1s", "--threads=1"):
+            done = run("zwidth", EXAMPLE, "--criterion", "coupled", "--points", "2", option)
+            self.assertEqual(done.returncode, 2, option)
+            self.assertIn("--criterion time", done.stderr)
+
+    def test_where_no_row_fails_nothing_is_said_of_stiffer_walls(self):
+        done = run("zwidth", EXAMPLE, "--criterion", "time", "--damping", "5e-4", "--stiffness", "0.1,0.2")
+        self.assertIn("above 0.2", done.stdout)
+
     def test_errors_say_what_is_expected(self):
         for arguments, words in ((["--gesture", "kick"], "gesture 'kick'"), (["--stiffness", "2..1"], "must rise"),
-                                 (["--duration", "0.1 ms"], "period")):
-            done = run("zwidth", EXAMPLE, "--criterion", "time", "--points", "2", "--rows", "2", *arguments)
+                                 (["--duration", "1 ms"], "samples"), (["--duration", "1e6 s"], "samples"),
+                                 (["--stiffness=-1..1"], "0 or more"), (["--stiffness", "0.1,0.2", "--rows", "9"], "rows")):
+            done = run("zwidth", EXAMPLE, "--criterion", "time", "--points", "2", *arguments)
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn(words, done.stderr)
 

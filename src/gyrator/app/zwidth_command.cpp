@@ -31,6 +31,7 @@ struct Options {
   std::string stiffness, gestures, duration;
   int rows = 64;
   int threads = 0;
+  std::string map_option;  // one that only the map by time has, where it was given
 };
 
 constexpr const char* time_criterion = "time";
@@ -95,6 +96,12 @@ std::string describe_map(const nlohmann::json& boundary) {
   return text;
 }
 
+// Where no row of a map fails, that says nothing of stiffer walls.
+std::string name_missing_limit(const nlohmann::json& boundary) {
+  if (!boundary.contains("map")) return "unbounded";
+  return fmt::format("above {:.6g}", boundary["map"]["stiffness"].back().get<double>());
+}
+
 std::string describe(const Model& model, const nlohmann::json& result, bool verbose) {
   const MotionUnits& units = units_of(model.device.motion);
   std::string text = fmt::format("{}: largest stiffness [{}] over virtual damping [{}]\n\n{:>14}",
@@ -111,7 +118,7 @@ std::string describe(const Model& model, const nlohmann::json& result, bool verb
       const auto& k = b["max_stiffness"][i];
       const bool feasible = b["feasible"][i];
       text += fmt::format("  {:>20}", !feasible     ? "none"
-                                      : k.is_null() ? "unbounded"
+                                      : k.is_null() ? name_missing_limit(b)
                                                     : fmt::format("{:.6g}", k.get<double>() + 0.0));
     }
     text += "\n";
@@ -306,6 +313,14 @@ void run(const Options& options) {
   const Criteria criteria = parse_criteria(options.criteria);
   const Model model = load_model(options.common.model);
   ZwidthRequest request{choose_damping(options, model), criteria.list, options.common.quiet, {}};
+  if (!criteria.time && !options.map_option.empty()) {
+    throw Error(ErrorCode::bad_input, options.map_option,
+                "belongs to the map by time: add --criterion time");
+  }
+  if (!options.stiffness.empty() && options.stiffness.find("..") == std::string::npos &&
+      options.map_option == "--rows") {
+    throw Error(ErrorCode::bad_input, "--rows", "a list of --stiffness has its own rows");
+  }
   if (criteria.time) {
     request.time = make_time_request(options, model, request.damping);
     request.damping = thin(request.damping);
@@ -403,8 +418,11 @@ void add_zwidth_command(CLI::App& app, int&) {
       ->type_name("FROM,TO")
       ->needs(envelope)
       ->check(not_empty());
-  command->callback([options, criteria] {
+  command->callback([options, criteria, command] {
     options->has_criteria = criteria->count() > 0;
+    for (const char* name : {"--stiffness", "--gesture", "--duration", "--threads", "--rows"}) {
+      if (command->count(name) > 0) options->map_option = name;
+    }
     run(*options);
   });
 }

@@ -38,7 +38,7 @@ LaneBlock::LaneBlock(const LaneScene& scene, const LaneDesign& example,
     : scene_(scene) {
   prepare_scene(scene);
   const long rows = program_.samples + 1;
-  program_.first_position = kept == Positions::all ? 0 : rows - rows / 3;
+  program_.first_position = kept == Positions::all ? 0 : std::min(rows - rows / 3, rows - 1);
   prepare_program(example);
   general_ = find_kernel(instructions, program_);
   program_.shared_plant = true;
@@ -55,7 +55,9 @@ LaneBlock::LaneBlock(const LaneScene& scene, const LaneDesign& example,
   commands_.assign(static_cast<std::size_t>(program_.whole_delay + 2) * lanes, 0);
   reference_.assign(lanes, 0);
   velocity_.assign(static_cast<std::size_t>(rows) * lanes, 0);
-  position_.assign(static_cast<std::size_t>(rows - program_.first_position) * lanes, 0);
+  // The kernel writes the rows before the first over one another: there is always one.
+  position_.assign(static_cast<std::size_t>(std::max(1L, rows - program_.first_position)) * lanes,
+                   0);
 }
 
 // What follows from sensor, clock and gesture alone.
@@ -102,6 +104,23 @@ void LaneBlock::prepare_program(const LaneDesign& example) {
   program_.sensed = find_coordinate(plant.sensed);
   program_.position = find_coordinate(plant.position);
   program_.velocity = find_coordinate(plant.velocity);
+}
+
+// The kernel is one program for all lanes.
+void LaneBlock::check_kind(const LaneDesign& design) const {
+  const LanePlant& plant = *design.plant;
+  const bool alike =
+      plant.states() == program_.states && design.law.law.states() == program_.law_states &&
+      is_difference(design.law.law) == program_.law_is_difference &&
+      design.law.contact_threshold == program_.contact_threshold &&
+      -design.law.least_effort == program_.most_command &&
+      plant.delay.whole == program_.whole_delay && (plant.delay.rest > 0) == program_.split &&
+      find_coordinate(plant.sensed) == program_.sensed &&
+      find_coordinate(plant.position) == program_.position &&
+      find_coordinate(plant.velocity) == program_.velocity;
+  if (alike) return;
+  throw Error(ErrorCode::bad_input, "lanes",
+              "designs of different kinds (states, delay, switch, signals) cannot be side by side");
 }
 
 void LaneBlock::set_plant(const LanePlant& plant, int lane) {
@@ -159,6 +178,7 @@ void LaneBlock::run(std::span<const LaneDesign> designs) {
   for (int lane = 0; lane < lanes_per_block; ++lane) {
     // Lanes that are left over repeat the last design.
     const auto i = std::min(static_cast<std::size_t>(lane), designs.size() - 1);
+    check_kind(designs[i]);
     if (!is_loaded) set_plant(*designs[i].plant, lane);
     set_law(designs[i].law, lane);
     set_start(designs[i], lane);

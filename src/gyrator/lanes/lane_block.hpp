@@ -42,6 +42,7 @@ class LaneBlock {
 
   void prepare_scene(const LaneScene& scene);
   void prepare_program(const LaneDesign& example);
+  void check_kind(const LaneDesign& design) const;
   void set_plant(const LanePlant& plant, int lane);
   void set_law(const LaneLaw& law, int lane);
   void set_start(const LaneDesign& design, int lane);

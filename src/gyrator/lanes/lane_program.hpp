@@ -8,7 +8,7 @@ namespace gyrator {
 /// Designs that a block advances side by side.
 inline constexpr int lanes_per_block = 16;
 
-/// Samples between two looks at whether a lane has run away or come to rest.
+/// Samples between two looks at whether a lane has run away.
 inline constexpr long samples_between_looks = 16;
 
 /// What all lanes of a run have in common.
@@ -28,7 +28,6 @@ struct LaneProgram {
   double most_command = 0;         ///< infinite, or 0 for a wall that may not pull
   const double* noise = nullptr;   ///< of the sensor, one per row; none
   const double* effort = nullptr;  ///< at the port, one per step
-  long last_effort_change = 0;     ///< step from which it is constant
   // Coordinates of the state that are signals; -1: a row of coefficients instead.
   int sensed = -1, position = -1, velocity = -1;
   double runaway_ratio = 0;
@@ -51,7 +50,7 @@ struct LaneState {
   double* reference;  ///< largest size at the start
 };
 
-enum class LaneEnd : unsigned char { ran_through, ran_away, came_to_rest };
+enum class LaneEnd : unsigned char { ran_through, ran_away };
 
 /// Rows of [sample][lane], of positions from `first_position` on, and how each lane has ended and
 /// in which row.
@@ -62,8 +61,8 @@ struct LaneTraces {
   long* rows;
 };
 
-/// Advances a block from its state at t = 0 to the end, or until every lane has run away or come to
-/// rest. Returns the number of rows recorded.
+/// Advances a block from its state at t = 0 to the end, or until every lane has run away. Returns
+/// the number of rows recorded.
 using LaneKernel = long (*)(const LaneProgram&, const LaneCoefficients&, const LaneState&,
                             const LaneTraces&);
 

@@ -32,7 +32,8 @@ struct LaneOptions {
 /// the same order; sums are taken in the same order, too, with one rounding less for each product
 /// where the instruction set multiplies and adds at once. Lanes that run away end early; growth
 /// and frequency are given for motions that go on. `design_of` fills in design i, on which a former
-/// one may be left; it is called from many threads. All plants are of the same size.
+/// one may be left; it is called from many threads. All designs are of one kind: same number of
+/// states, delay and switch; throws bad_input for others.
 std::vector<Classification> classify_lanes(
     const LaneScene& scene, std::size_t count,
     const std::function<void(std::size_t, LaneDesign&)>& design_of,

@@ -234,10 +234,16 @@ StiffnessLimit StiffnessLimits::find_exact_disk(double virtual_damping) {
       undecided = 0;
       proved = 1;
       below = closest;
+    } else if (!std::isfinite(limit.stiffness)) {
+      break;  // what cannot be decided at one stiffness is not at another
     } else {
       undecided = below;
       below = proved < 1 ? (proved + undecided) / 2 : 4 * below;
     }
+  }
+  if (proved < 1) {
+    limit.stiffness *= 1 - proved;
+    return limit;
   }
   return {0, false, limit.worst_frequency_hz};
 }

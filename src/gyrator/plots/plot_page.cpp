@@ -87,8 +87,9 @@ std::string key_sample_at(const KeyEntry& entry, double x, double y, const Page&
       entry.style == CurveStyle::boxes)
     return fmt::format(
         "set object rectangle from screen {:.5f},{:.5f} to screen {:.5f},{:.5f} fs transparent "
-        "solid 0.25 noborder fc rgb '{}'\n",
-        across(x, page), up(y - 5, page), across(x + key_sample, page), up(y + 5, page), colour);
+        "solid {} noborder fc rgb '{}'\n",
+        across(x, page), up(y - 5, page), across(x + key_sample, page), up(y + 5, page),
+        entry.style == CurveStyle::boxes ? 0.45 : 0.25, colour);
   if (entry.style == CurveStyle::points)
     return fmt::format("set label '' at screen {:.5f},{:.5f} point pt 7 ps 0.6 lc rgb '{}'\n",
                        across(x + 0.5 * key_sample, page), up(y, page), colour);

@@ -23,7 +23,9 @@ using nlohmann::json;
 constexpr double hit_velocity_rotary = 5;    // rad/s
 constexpr double hit_velocity_linear = 0.2;  // m/s
 constexpr double hit_width = 0.01;           // s
-constexpr int bisections = 10;               // a thousandth of a cell
+constexpr double fewest_samples = 30;
+constexpr double most_samples = 2e6;  // 250 MB on each core
+constexpr int bisections = 10;        // a thousandth of a cell
 
 struct Cell {
   double damping = 0, stiffness = 0;
@@ -98,6 +100,7 @@ class Runs {
  private:
   void add_gesture(const Model& model, MapGesture gesture) {
     SimulationOptions& o = scene_.options;
+    o.initial_position = 0;
     o.initial_velocity = 0;
     o.external_effort = 0;
     const double velocity =
@@ -207,16 +210,19 @@ class Map {
     StiffnessLimits limits(model_.device, model_.sampling, model_.sampled_controller(),
                            model_.held_by);
     double largest = 0;
+    bool any_stable = false;
     const std::size_t stride = std::max<std::size_t>(1, request_.damping.size() / 16);
     for (std::size_t i = 0; i < request_.damping.size(); i += stride) {
       const StiffnessLimit limit = limits.find(Criterion::coupled, request_.damping[i]);
+      any_stable = any_stable || limit.feasible;
       if (limit.feasible && std::isfinite(limit.stiffness))
         largest = std::max(largest, limit.stiffness);
     }
     if (!(largest > 0)) {
       throw Error(ErrorCode::bad_input, "--stiffness",
-                  "no stiffness makes the loop with the model's operator unstable: give the range "
-                  "of the map, such as --stiffness 0..1");
+                  std::string(any_stable ? "no stiffness makes" : "every stiffness makes") +
+                      " the loop with the model's operator unstable at these dampings: give the "
+                      "range of the map, such as --stiffness 0..1");
     }
     std::vector<double> stiffness;
     for (int i = 0; i < request_.rows; ++i)
@@ -311,6 +317,21 @@ class Map {
   std::vector<Border> border_;
 };
 
+void check_request(const Model& model, const TimeMapRequest& request) {
+  if (!request.stiffness.empty() && request.stiffness.front() < 0) {
+    throw Error(ErrorCode::bad_input, "--stiffness",
+                fmt::format("{:g}: must be 0 or more", request.stiffness.front()));
+  }
+  const Rational duration = request.duration.value_or(model.duration);
+  const double samples = duration.to_double() / model.sampling.period.to_double();
+  if (samples >= fewest_samples && samples <= most_samples) return;
+  throw Error(ErrorCode::bad_input,
+              request.duration ? "--duration" : model.file + ": /simulation/duration",
+              fmt::format("{:g} s are {:.3g} samples: must be {:g} to {:g}, to tell growth from "
+                          "rest within memory",
+                          duration.to_double(), samples, fewest_samples, most_samples));
+}
+
 }  // namespace
 
 json make_time_boundary(const Model& model, const TimeMapRequest& request) {
@@ -318,10 +339,9 @@ json make_time_boundary(const Model& model, const TimeMapRequest& request) {
     throw Error(ErrorCode::bad_input, model.file + ": /controller/kind",
                 "the map by time is that of a sampled wall: use virtual_wall");
   }
-  return naming_file(model, [&] {
-    require_stable_device(model.device);
-    return Map(model, request).make();
-  });
+  check_request(model, request);
+  naming_file(model, [&] { require_stable_device(model.device); });
+  return Map(model, request).make();
 }
 
 }  // namespace gyrator

@@ -12,7 +12,10 @@ using nlohmann::json;
 
 // Halfway to the neighbours on either side.
 std::pair<double, double> cell_edges(const std::vector<double>& centres, std::size_t i) {
-  if (centres.size() == 1) return {centres[0] * 0.5, centres[0] * 1.5};
+  if (centres.size() == 1) {
+    const double half = centres[0] != 0 ? std::abs(centres[0]) / 2 : 0.5;
+    return {centres[0] - half, centres[0] + half};
+  }
   const double before = i > 0 ? (centres[i] - centres[i - 1]) / 2 : 0;
   const double after = i + 1 < centres.size() ? (centres[i + 1] - centres[i]) / 2 : 0;
   return {centres[i] - (i > 0 ? before : after), centres[i] + (after > 0 ? after : before)};
@@ -44,7 +47,8 @@ std::vector<Curve> time_map_cells(const json& boundary) {
       Curve& curve = curves.at(static_cast<std::size_t>(std::clamp(outcome, 0, 2)));
       curve.x.push_back(left);
       curve.x_high.push_back(right);
-      curve.y_low.push_back(std::max(0.0, cell_edges(stiffness, i).first));
+      // The first row reaches down to the axis.
+      curve.y_low.push_back(i == 0 ? 0 : cell_edges(stiffness, i).first);
       curve.y.push_back(cell_edges(stiffness, last).second);
       i = last + 1;
     }

@@ -216,6 +216,31 @@ TEST(Lanes, that_run_away_end_early_and_diverge) {
   EXPECT_EQ(found.outcome, Outcome::diverges);
 }
 
+TEST(Lanes, may_be_as_short_as_a_sample) {
+  for (const int samples : {1, 2, 3, 4}) {
+    LaneScene scene = make_scene();
+    scene.options.duration = Rational(samples, 1000);
+    const Plant plant = build_plant(build_device_network(make_rc_display(), FreeOperator{}));
+    const LanePlant lane_plant = make_lane_plant(plant, scene.sampling);
+    const auto found = classify_lanes(scene, 20, [&](std::size_t, LaneDesign& design) {
+      design = {&lane_plant, *find_lane_law(Controller(VirtualWall{0.3, 1e-4}), 1e-3)};
+    });
+    EXPECT_EQ(found.size(), 20u);
+  }
+}
+
+TEST(Lanes, of_different_kinds_are_refused) {
+  const LaneScene scene = make_scene();
+  const Plant plant = build_plant(build_device_network(make_rc_display(), FreeOperator{}));
+  const LanePlant at_once = make_lane_plant(plant, scene.sampling);
+  const LanePlant late = make_lane_plant(plant, {Rational(1, 1000), Rational(1, 1000)});
+  const LaneLaw law = *find_lane_law(Controller(VirtualWall{0.3, 1e-4}), 1e-3);
+  const LaneLaw one_sided =
+      *find_lane_law(Controller(VirtualWall{.stiffness = 0.3, .unilateral = true}), 1e-3);
+  EXPECT_THROW(trace_lanes(scene, {{&at_once, law}, {&late, law}}), Error);
+  EXPECT_THROW(trace_lanes(scene, {{&at_once, law}, {&at_once, one_sided}}), Error);
+}
+
 TEST(Lanes, do_not_depend_on_the_number_of_cores) {
   const LaneScene scene = make_scene();
   const Plant plant = build_plant(build_device_network(make_rc_display(), FreeOperator{}));
