@@ -171,6 +171,29 @@ TEST_F(Journal, and_result_hold_the_same_with_units) {
   EXPECT_EQ(folder_.count(), 1U);
 }
 
+// The failing point lies in the upper half of the chunk, which another thread has begun with while
+// the first has most of the lower half before it.
+TEST(Chunk, a_failing_point_behind_points_that_were_never_begun_is_told) {
+  SweepStudy study;
+  study.file = study.model_file = "model.json";
+  study.model_text =
+      R"({"motion": "rotary", "name": "test", "mechanics": {"inertia": 2e-5, "damping": 1e-4},
+    "motor": {"torque_constant": 0.05, "resistance": "1.5 ohm"}, "amplifier": {"kind": "voltage"},
+    "damping": [{"kind": "resistance_cancellation", "fraction": 0.5}],
+    "sampling": {"period": "1 ms"},
+    "controller": {"kind": "virtual_wall", "stiffness": 0.4, "damping": 1.5e-4}})";
+  study.analysis = "zwidth";
+  std::string values = "damping.0.fraction=";
+  for (int i = 0; i < 400; ++i) values += i == 200 ? "1.5," : "0.5,";
+  study.vary.push_back(parse_variation(values + "0.5"));
+  const SweepPlan plan(study);
+  const ChunkResult result = compute_chunk(plan, {0, 401}, 2);
+  ASSERT_TRUE(result.stopped_by);
+  EXPECT_EQ(result.stopped_by->place(), "point 200 (damping.0.fraction = 1.5)");
+  EXPECT_LE(result.points.size(), 200U);
+  for (const PointResult& point : result.points) EXPECT_EQ(point.status, PointStatus::ok);
+}
+
 TEST(SweepQueue, hands_out_every_missing_point_once_and_smaller_chunks_towards_the_end) {
   SweepQueue queue({{0, 50}, {60, 40}}, 2);
   std::vector<int> taken(100, 0);
