@@ -352,6 +352,25 @@ class JournalTest(SweepTest):
         self.assert_refused(self.run_program("study", "run", self.model, *GRID, "-o", "sweep.h5"), "is no journal")
         self.assertEqual(journal.read_text(), "my notes")
 
+    def test_a_file_that_a_netlist_includes_is_part_of_the_study(self):
+        (self.folder / "inc").mkdir()
+        (self.folder / "snubber.cir").write_text("* snubber\n.include inc/outer.inc\n.subckt snubber a b\n"
+                                                 "R1 a m {r}\nC1 m b 2200u\n.ends\n")
+        (self.folder / "inc/outer.inc").write_text(".inc value.inc\n")
+        (self.folder / "inc/value.inc").write_text(".param r=5\n")
+        model = with_value(load_example(), "/damping", [
+            {"kind": "netlist", "file": "snubber.cir", "subckt": "snubber"}])
+        name = self.write_model(model, "netlist.json")
+        # The last value fails, so that a journal is left.
+        arguments = ("--vary", "controller.stiffness=0.1,0.2", "--vary", "simulation.duration=10 ms,3000 s",
+                     "--analysis", "simulate", "--timeout", "100 ms", "--threads", 1)
+        self.assertIn("1 of 4 points are kept", self.sweep(*arguments, model=name, code=3).err)
+        self.assertIn("1 of 4 points are kept", self.sweep(*arguments, model=name, code=3).err)
+        (self.folder / "inc/value.inc").write_text(".param r=6\n")
+        answer = self.sweep(*arguments, model=name, code=2)
+        self.assertIn("includes, has another content", answer.err)
+        self.sweep(*arguments, "--restart", model=name, code=3)
+
     def test_two_runs_do_not_write_one_result(self):
         process = self.start(*LONG, "--threads", 1)
         try:

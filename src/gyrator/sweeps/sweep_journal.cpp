@@ -62,7 +62,8 @@ json make_header(const SweepPlan& plan) {
 // Which part of the study is another, of two that have different digests.
 std::string describe_difference(const json& kept, const json& asked) {
   if (kept["model_sha256"] != asked["model_sha256"]) return "its model has another text";
-  if (kept["files"] != asked["files"]) return "a file that its model names has another content";
+  if (kept["files"] != asked["files"])
+    return "a file that its model names, or that such a file includes, has another content";
   if (kept["program"] != asked["program"])
     return "it was begun by " + kept["program"].get<std::string>();
   for (const auto& [key, what] : {std::pair{"analysis", "its analysis is another"},
