@@ -188,6 +188,7 @@ SweepValue Variation::at_grid(std::size_t index) const {
 }
 
 SweepValue Variation::at_share(double share) const {
+  if (values_.empty() && found_.member.kind == ValueKind::integer) return make_whole(share);
   if (values_.empty()) return make_in_range(share);
   const auto index = static_cast<std::size_t>(share * static_cast<double>(values_.size()));
   return values_[std::min(index, values_.size() - 1)];
@@ -206,6 +207,20 @@ SweepValue Variation::make_in_range(double share) const {
   if (!(std::abs(v) < longest)) refuse(fmt::format("{} s: is too long", format_number(v)));
   const Rational time(std::llround(v * 1e9), nanoseconds);
   return {time.to_string(), time.to_double(), {}};
+}
+
+// Rounding to the nearest one would take the ends half as often as the others.
+SweepValue Variation::make_whole(double share) const {
+  const double step = to_ < from_ ? -1 : 1;
+  double v = from_ + step * std::floor(share * (std::abs(to_ - from_) + 1));
+  if (text_.logarithmic) {
+    const double low = std::min(std::abs(from_), std::abs(to_));
+    const double high = std::max(std::abs(from_), std::abs(to_));
+    const double way = std::abs(from_) <= std::abs(to_) ? share : 1 - share;
+    v = std::copysign(std::floor(low * std::pow((high + 1) / low, way)), from_);
+  }
+  v = std::clamp(v, std::min(from_, to_), std::max(from_, to_));  // a share next to 1, rounded
+  return {static_cast<std::int64_t>(v), v, {}};
 }
 
 // By the model's own reader, which knows bounds, choices, and keys that exclude one another.
