@@ -429,6 +429,16 @@ class ProcessesTest(SweepTest):
         self.assertGreater(self.sweep(*LONG, "--json").json["resumed"], 0)
         self.assertEqual(self.read("sweep.h5"), self.read("whole.h5"))
 
+    def test_a_full_disk_ends_all_processes_with_its_reason(self):
+        # 8 kB for a file: the journal's header fits, the results of all points do not.
+        shell = "trap '' XFSZ; test \"$OMPI_COMM_WORLD_RANK\" = 0 && ulimit -f 16; exec \"$@\""
+        words = ["mpirun", "--allow-run-as-root", "--oversubscribe", "--mca", "btl", "self,tcp", "-n", "2", "sh", "-c",
+                 shell, "sh", program(), "study", "run", self.model, *LONG, "-o", "sweep.h5"]
+        done = subprocess.run(words, cwd=self.folder, capture_output=True, text=True, timeout=60,
+                              stdin=subprocess.DEVNULL, env=os.environ | MPI_ENVIRONMENT)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertEqual(done.stderr.count("sweep.h5.journal: cannot be written"), 1, done.stderr)
+
     def test_errors_are_said_once_and_end_all_processes(self):
         done = self.mpirun(3, self.model, "--vary", "damping.0.capacitence=1uF", "--analysis", "zwidth", "-o", "s.h5")
         self.assertEqual(done.returncode, 2, done.stderr)
