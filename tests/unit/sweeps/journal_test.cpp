@@ -133,8 +133,10 @@ TEST_F(Journal, of_another_study_is_refused_with_what_is_different) {
 
 TEST_F(Journal, of_another_kind_of_file_is_left_alone) {
   write_text_file(path(), "notes of mine");
-  EXPECT_THROW(read(twelve_points(), false), Error);
-  EXPECT_EQ(read_text(path()), "notes of mine");
+  for (const bool restart : {false, true}) {
+    EXPECT_THROW(read(twelve_points(), restart), Error);
+    EXPECT_EQ(read_text(path()), "notes of mine");
+  }
 }
 
 TEST_F(Journal, can_be_read_without_its_model_and_study_files) {
