@@ -40,6 +40,15 @@ void read_points(VariationText& variation, std::string_view whole, std::string_v
   }
 }
 
+// Where the two dots of a range are; those of the folder above ("../a.cir") are none.
+std::size_t find_range(std::string_view values) {
+  std::size_t at = values.find("..");
+  while (at != std::string_view::npos && at + 2 < values.size() &&
+         (values[at + 2] == '/' || values[at + 2] == '\\'))
+    at = values.find("..", at + 2);
+  return at;
+}
+
 }  // namespace
 
 VariationText parse_variation(std::string_view text) {
@@ -50,7 +59,7 @@ VariationText parse_variation(std::string_view text) {
   variation.path = trim(text.substr(0, equals));
   variation.place = "--vary " + variation.path;
   std::string_view values = text.substr(equals + 1);
-  const std::size_t dots = values.find("..");
+  const std::size_t dots = find_range(values);
   if (dots == std::string_view::npos) {
     for (std::size_t at = 0; at <= values.size();) {
       const std::size_t comma = std::min(values.find(',', at), values.size());
@@ -168,6 +177,8 @@ void Variation::read_range() {
   const bool to_bare = !has_unit(*text_.to) && to_ != 0;
   if ((from_bare && has_unit(*text_.to)) || (to_bare && has_unit(*text_.from)))
     refuse("only one end of the range has a unit: write it at both");
+  if (text_.points == 1 && from_ != to_)
+    refuse("a range of 1 point would leave out its end: give the value itself, or 2 points");
   if (text_.logarithmic && !(from_ * to_ > 0)) {
     refuse(fmt::format("{} to {}: a logarithmic range does not reach or pass zero",
                        format_number(from_), format_number(to_)));

@@ -126,6 +126,13 @@ TEST(Variation, a_share_of_a_logarithmic_range_of_whole_numbers_favours_none_of_
   }
 }
 
+TEST(Variation, the_folder_above_is_no_range) {
+  const VariationText text = parse_variation("damping.0.file=../a.cir,b/../../c.cir");
+  ASSERT_EQ(text.values.size(), 2U);
+  EXPECT_EQ(text.values[0], "../a.cir");
+  EXPECT_EQ(text.values[1], "b/../../c.cir");
+}
+
 TEST(Variation, an_unknown_key_is_refused_with_the_nearest_one) {
   const std::string message = refusal("damping.0.capacitence=1uF,2uF");
   EXPECT_NE(message.find("--vary damping.0.capacitence"), std::string::npos) << message;
@@ -145,6 +152,7 @@ TEST(Variation, what_the_model_does_not_allow_is_refused_before_anything_is_comp
         std::pair{"amplifier.sense=total..motor:2", "has no range"},
         std::pair{"controller.stiffness=0.1,,0.2", "a value is missing"},
         std::pair{"controller.stiffness=0.1..0.2:0", "a number of points"},
+        std::pair{"controller.stiffness=0.1..0.2:1", "would leave out its end"},
         std::pair{"controller.stiffness", "PATH=FROM..TO:N"}}) {
     const std::string message = refusal(text);
     EXPECT_NE(message.find(fragment), std::string::npos) << text << ": " << message;
