@@ -197,7 +197,11 @@ class RefusedTest(SweepTest):
             answer = self.run_program("study", "run", self.model, *arguments, "-o", "sweep.h5")
             with self.subTest(arguments=arguments):
                 self.assert_refused(answer, fragment)
-        self.assert_refused(self.run_program("study", "rum"), "did you mean 'run'")
+        self.assert_refused(self.run_program("study", "run", self.model, *vary, "--analysis", "zwidth", "-o", "e.csv"),
+                            "e.csv", ".h5 or .hdf5")
+        self.assert_refused(self.run_program("study", "run", self.model, "--anlysis", "zwidth"), "study run: ",
+                            "`gyrator study run --help`")
+        self.assert_refused(self.run_program("study", "rum"), "did you mean 'run'", "`gyrator study --help`")
         self.assert_refused(self.run_program("study"), "run, show")
         self.assert_refused(self.run_program("study", "show", "rc.json"), "rc.json")
         self.assert_refused(self.run_program("study", "run", self.model, *vary, "--analysis", "zwidth", "-o",
