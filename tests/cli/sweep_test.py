@@ -197,7 +197,11 @@ class RefusedTest(SweepTest):
             answer = self.run_program("study", "run", self.model, *arguments, "-o", "sweep.h5")
             with self.subTest(arguments=arguments):
                 self.assert_refused(answer, fragment)
-        self.assert_refused(self.run_program("study", "rum"), "did you mean 'run'")
+        self.assert_refused(self.run_program("study", "run", self.model, *vary, "--analysis", "zwidth", "-o", "e.csv"),
+                            "e.csv", ".h5 or .hdf5")
+        self.assert_refused(self.run_program("study", "run", self.model, "--anlysis", "zwidth"), "study run: ",
+                            "`gyrator study run --help`")
+        self.assert_refused(self.run_program("study", "rum"), "did you mean 'run'", "`gyrator study --help`")
         self.assert_refused(self.run_program("study"), "run, show")
         self.assert_refused(self.run_program("study", "show", "rc.json"), "rc.json")
         self.assert_refused(self.run_program("study", "run", self.model, *vary, "--analysis", "zwidth", "-o",
@@ -352,6 +356,25 @@ class JournalTest(SweepTest):
         self.assert_refused(self.run_program("study", "run", self.model, *GRID, "-o", "sweep.h5"), "is no journal")
         self.assertEqual(journal.read_text(), "my notes")
 
+    def test_a_file_that_a_netlist_includes_is_part_of_the_study(self):
+        (self.folder / "inc").mkdir()
+        (self.folder / "snubber.cir").write_text("* snubber\n.include inc/outer.inc\n.subckt snubber a b\n"
+                                                 "R1 a m {r}\nC1 m b 2200u\n.ends\n")
+        (self.folder / "inc/outer.inc").write_text(".inc value.inc\n")
+        (self.folder / "inc/value.inc").write_text(".param r=5\n")
+        model = with_value(load_example(), "/damping", [
+            {"kind": "netlist", "file": "snubber.cir", "subckt": "snubber"}])
+        name = self.write_model(model, "netlist.json")
+        # The last value fails, so that a journal is left.
+        arguments = ("--vary", "controller.stiffness=0.1,0.2", "--vary", "simulation.duration=10 ms,3000 s",
+                     "--analysis", "simulate", "--timeout", "100 ms", "--threads", 1)
+        self.assertIn("1 of 4 points are kept", self.sweep(*arguments, model=name, code=3).err)
+        self.assertIn("1 of 4 points are kept", self.sweep(*arguments, model=name, code=3).err)
+        (self.folder / "inc/value.inc").write_text(".param r=6\n")
+        answer = self.sweep(*arguments, model=name, code=2)
+        self.assertIn("includes, has another content", answer.err)
+        self.sweep(*arguments, "--restart", model=name, code=3)
+
     def test_two_runs_do_not_write_one_result(self):
         process = self.start(*LONG, "--threads", 1)
         try:
@@ -409,6 +432,16 @@ class ProcessesTest(SweepTest):
         self.assertTrue(journal.exists())
         self.assertGreater(self.sweep(*LONG, "--json").json["resumed"], 0)
         self.assertEqual(self.read("sweep.h5"), self.read("whole.h5"))
+
+    def test_a_full_disk_ends_all_processes_with_its_reason(self):
+        # 8 kB for a file: the journal's header fits, the results of all points do not.
+        shell = "trap '' XFSZ; test \"$OMPI_COMM_WORLD_RANK\" = 0 && ulimit -f 16; exec \"$@\""
+        words = ["mpirun", "--allow-run-as-root", "--oversubscribe", "--mca", "btl", "self,tcp", "-n", "2", "sh", "-c",
+                 shell, "sh", program(), "study", "run", self.model, *LONG, "-o", "sweep.h5"]
+        done = subprocess.run(words, cwd=self.folder, capture_output=True, text=True, timeout=60,
+                              stdin=subprocess.DEVNULL, env=os.environ | MPI_ENVIRONMENT)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertEqual(done.stderr.count("sweep.h5.journal: cannot be written"), 1, done.stderr)
 
     def test_errors_are_said_once_and_end_all_processes(self):
         done = self.mpirun(3, self.model, "--vary", "damping.0.capacitence=1uF", "--analysis", "zwidth", "-o", "s.h5")

@@ -1,5 +1,6 @@
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/quantity.hpp"
+#include "gyrator/core/text.hpp"
 #include "gyrator/documents/json_text.hpp"
 #include "gyrator/sweeps/sweep_result.hpp"
 #include "gyrator/sweeps/sweep_run.hpp"
@@ -89,12 +90,20 @@ json counts_json(const SweepCounts& counts) {
 }
 
 std::string describe_counts(const SweepCounts& counts) {
-  std::string text = fmt::format("{} points: {} ok", counts.points, counts.ok);
+  std::string text = fmt::format("{}: {} ok", describe_count(counts.points, "point"), counts.ok);
   if (counts.failed > 0) text += fmt::format(", {} failed", counts.failed);
   if (counts.timed_out > 0) text += fmt::format(", {} timed out", counts.timed_out);
   if (counts.done() < counts.points)
     text += fmt::format(", {} not computed yet", counts.points - counts.done());
   return text;
+}
+
+void check_ending(const std::string& output) {
+  if (output.ends_with(".h5") || output.ends_with(".hdf5")) return;
+  throw Error(ErrorCode::bad_input, "--output",
+              fmt::format("'{}': the result is HDF5, a name that ends in .h5 or .hdf5 is expected "
+                          "(`gyrator study show FILE --csv` writes columns)",
+                          output));
 }
 
 void run(const RunOptions& options, int& exit_code) {
@@ -108,6 +117,7 @@ void run(const RunOptions& options, int& exit_code) {
       [&] {
         check_files({{"the model or study", options.file}}, {{"--output", options.output}});
         SweepStudy study = read_study(options);
+        check_ending(options.output);
         check_files({{"the model", study.model_file}}, {{"--output", options.output}});
         return SweepPlan(std::move(study));
       },
@@ -130,8 +140,8 @@ void run(const RunOptions& options, int& exit_code) {
   }
   if (summary.counts.ok > 0) return;
   exit_code = static_cast<int>(ErrorCode::numerical);
-  fmt::print(stderr, "gyrator: {}: not one of {} points could be computed; the first: {}\n",
-             options.output, summary.counts.points, summary.first_reason);
+  fmt::print(stderr, "gyrator: {}: not one of {} could be computed; the first: {}\n",
+             options.output, describe_count(summary.counts.points, "point"), summary.first_reason);
 }
 
 json column_json(const Column& column) {

@@ -38,8 +38,17 @@ std::string describe_unknown_option(const CLI::App& command, const std::string& 
   return describe_unknown_name("option", word.substr(0, word.find('=')), list_options(command));
 }
 
+// "study run", of the program itself nothing.
+std::string name_command(const CLI::App& command) {
+  if (command.get_parent() == nullptr) return {};
+  const std::string outer = name_command(*command.get_parent());
+  return outer.empty() ? command.get_name() : outer + " " + command.get_name();
+}
+
 std::string describe_missing_command(const CLI::App& app, const std::vector<std::string>& words) {
-  const std::string help = " (`gyrator --help` describes the commands)";
+  const std::string name = name_command(app);
+  const std::string help =
+      fmt::format(" (`gyrator {}--help` describes the commands)", name.empty() ? "" : name + " ");
   if (words.empty()) return "a command is expected, one of " + join(list_commands(app)) + help;
   if (is_option(words.front())) return describe_unknown_option(app, words.front()) + help;
   return describe_unknown_name("command", words.front(), list_commands(app)) + help;
@@ -90,23 +99,21 @@ std::string describe_usage_error(const CLI::App& app, const CLI::ParseError& err
   // Of `study run` the inner one, if it was named.
   const bool has_inner = !list_commands(command).empty();
   if (has_inner && !command.get_subcommands().empty()) return describe_usage_error(command, error);
-  const std::string help = fmt::format(" (`gyrator {} --help` describes it)", command.get_name());
-  if (has_inner)
-    return command.get_name() + ": " + describe_missing_command(command, command.remaining());
+  const std::string name = name_command(command);
+  const std::string help = fmt::format(" (`gyrator {} --help` describes it)", name);
+  if (has_inner) return name + ": " + describe_missing_command(command, command.remaining());
   if (!words.empty()) {
-    return fmt::format("'{}' stands before the command: write gyrator {} {}{}", words.front(),
-                       command.get_name(), words.front(), help);
+    return fmt::format("'{}' stands before the command: write gyrator {} {}{}", words.front(), name,
+                       words.front(), help);
   }
   const auto left = command.remaining();
   const auto option = std::find_if(left.begin(), left.end(), is_option);
   if (option != left.end()) {
-    return fmt::format("{}: {}{}", command.get_name(), describe_unknown_option(command, *option),
-                       help);
+    return fmt::format("{}: {}{}", name, describe_unknown_option(command, *option), help);
   }
   if (!left.empty())
-    return fmt::format("{}: '{}' is one argument too many{}", command.get_name(), left.front(),
-                       help);
-  return fmt::format("{}: {}{}", command.get_name(), describe_parse_error(error), help);
+    return fmt::format("{}: '{}' is one argument too many{}", name, left.front(), help);
+  return fmt::format("{}: {}{}", name, describe_parse_error(error), help);
 }
 
 CLI::Validator not_empty() {

@@ -53,6 +53,7 @@ class Inclusion {
  public:
   std::vector<SpiceLine> lines;
   std::vector<std::string> missing_libraries;
+  std::vector<fs::path> included;  // with repetitions
 
   void add(std::string_view text, const fs::path& file, SpiceFirstLine first) {
     bool in_control = false;
@@ -116,6 +117,7 @@ class Inclusion {
              fmt::format("'{}': more than {} files are included", line.text, most_includes));
     }
     open_.push_back(known);
+    included.push_back(path);
     add(decode_spice_text(read_file(path), path.string()), path, SpiceFirstLine::statement);
     open_.pop_back();
   }
@@ -302,6 +304,15 @@ SpiceDeck parse_spice_deck(std::string_view text, const std::filesystem::path& f
 
 SpiceDeck read_spice_deck(const std::filesystem::path& path) {
   return parse_spice_deck(read_file(path), path);
+}
+
+std::vector<fs::path> find_spice_files(const fs::path& path) {
+  Inclusion inclusion;
+  inclusion.add(decode_spice_text(read_file(path), path.string()), path, SpiceFirstLine::title);
+  std::vector<fs::path> files{path};
+  for (const fs::path& file : inclusion.included)
+    if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
+  return files;
 }
 
 const SpiceDefinition& built_in_spice_library() {

@@ -53,6 +53,11 @@ SpiceDeck read_spice_deck(const std::filesystem::path& path);
 /// The same for a text; `file` names it and is where included paths begin.
 SpiceDeck parse_spice_deck(std::string_view text, const std::filesystem::path& file);
 
+/// The file and all that it includes, each once, in the order in which they are read; named as the
+/// reader finds them, from the folder of the file that includes them. Throws as read_spice_deck
+/// does for files that cannot be read.
+std::vector<std::filesystem::path> find_spice_files(const std::filesystem::path& path);
+
 /// The subcircuits that are there without a file: `opamp` and `ideal_opamp` (docs/netlist.md).
 const SpiceDefinition& built_in_spice_library();
 

@@ -12,6 +12,7 @@
 #include <iterator>
 #include <optional>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
 #include <utility>
@@ -62,7 +63,8 @@ json make_header(const SweepPlan& plan) {
 // Which part of the study is another, of two that have different digests.
 std::string describe_difference(const json& kept, const json& asked) {
   if (kept["model_sha256"] != asked["model_sha256"]) return "its model has another text";
-  if (kept["files"] != asked["files"]) return "a file that its model names has another content";
+  if (kept["files"] != asked["files"])
+    return "a file that its model names, or that such a file includes, has another content";
   if (kept["program"] != asked["program"])
     return "it was begun by " + kept["program"].get<std::string>();
   for (const auto& [key, what] : {std::pair{"analysis", "its analysis is another"},
@@ -102,21 +104,30 @@ std::string journal_name(const std::string& result) {
 
 SweepJournal::SweepJournal(std::string path, const SweepPlan& plan, SweepStore& store, bool restart)
     : path_(std::move(path)) {
+  try {
+    // A run that ended in between has removed the file that was opened.
+    while (!open_locked()) ::close(std::exchange(file_, -1));
+    resume(plan, store, restart);
+  } catch (...) {
+    if (file_ >= 0) ::close(file_);
+    throw;
+  }
+}
+
+bool SweepJournal::open_locked() {
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-vararg): POSIX declares open() so
   file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   if (file_ < 0) fail(errno);
-  try {
-    if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
-      throw Error(ErrorCode::bad_input, path_,
-                  "another run is working on it: wait for its end, or give this one a result file "
-                  "of its own (-o)");
-    }
-    if (restart && ::ftruncate(file_, 0) != 0) fail(errno);
-    resume(plan, store);
-  } catch (...) {
-    ::close(file_);
-    throw;
+  if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+    throw Error(ErrorCode::bad_input, path_,
+                "another run is working on it: wait for its end, or give this one a result file "
+                "of its own (-o)");
   }
+  struct stat locked {};
+  struct stat named {};
+  if (::fstat(file_, &locked) != 0) fail(errno);
+  return ::stat(path_.c_str(), &named) == 0 && named.st_ino == locked.st_ino &&
+         named.st_dev == locked.st_dev;
 }
 
 SweepJournal::~SweepJournal() {
@@ -134,12 +145,13 @@ void SweepJournal::begin(const SweepPlan& plan) {
   sync_folder(std::filesystem::path(path_).parent_path());
 }
 
-void SweepJournal::resume(const SweepPlan& plan, SweepStore& store) {
+void SweepJournal::resume(const SweepPlan& plan, SweepStore& store, bool restart) {
   const std::string bytes = read_bytes(path_);
   const auto header = find_record(bytes);
   // Not even the header was written whole: nothing is lost.
   const std::string_view start = std::string_view(bytes).substr(0, magic.size());
-  if (!header && magic.starts_with(start)) return begin(plan);
+  const bool begun_at_most = !header && magic.starts_with(start);
+  if (begun_at_most || (header && restart)) return begin(plan);
   if (!header) {
     throw Error(ErrorCode::bad_input, path_,
                 "is no journal of a sweep, and stands where this one's belongs: move it away, or "

@@ -25,7 +25,7 @@ class SweepJournal {
  public:
   /// Opens the journal of this study, or begins it; what it holds goes into the store. Throws
   /// bad_input where the file is of another study, no journal, in use, or cannot be written.
-  /// `restart` throws away what is there.
+  /// `restart` throws away the journal that is there, of whatever study.
   SweepJournal(std::string path, const SweepPlan& plan, SweepStore& store, bool restart);
   ~SweepJournal();
 
@@ -43,7 +43,9 @@ class SweepJournal {
 
  private:
   void begin(const SweepPlan& plan);
-  void resume(const SweepPlan& plan, SweepStore& store);
+  // Whether the path still names what was opened, once it is locked.
+  bool open_locked();
+  void resume(const SweepPlan& plan, SweepStore& store, bool restart);
   void write_record(std::string_view payload);
   [[noreturn]] void fail(int reason) const;
 

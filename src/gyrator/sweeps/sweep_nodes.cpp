@@ -140,6 +140,7 @@ void lead_sweep(const SweepPlan& plan, Nodes& nodes, SweepQueue& queue, SweepRec
   }
   leader.dismiss();
   const std::exception_ptr own_error = own.finish();
+  nodes.finish();  // before an error is told: what is left unfinished is aborted without a word
   if (leader.error()) std::rethrow_exception(leader.error());
   if (own_error) std::rethrow_exception(own_error);
 }

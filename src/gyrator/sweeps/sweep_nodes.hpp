@@ -6,7 +6,8 @@
 namespace gyrator {
 
 /// The part of process 0: hands out chunks to the others, records what they send, and computes on
-/// `threads` threads itself.
+/// `threads` threads itself. Afterwards, and where it throws since the journal cannot be written,
+/// the processes are finished.
 void lead_sweep(const SweepPlan& plan, Nodes& nodes, SweepQueue& queue, SweepRecord& record,
                 int threads);
 

@@ -1,5 +1,6 @@
 #include "gyrator/sweeps/sweep_plan.hpp"
 
+#include "gyrator/circuits/spice_reader.hpp"
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/random_stream.hpp"
 #include "gyrator/core/text.hpp"
@@ -24,13 +25,34 @@ using nlohmann::json;
 
 constexpr std::size_t most_points = 100'000'000;
 
+// What is read besides the model: a netlist with all that it includes, or a recording.
+struct NamedFile {
+  std::string name;  // as the model names it
+  bool is_netlist = false;
+};
+
+// Of a damping or of an operator; recordings have columns instead.
+bool is_netlist(const json& owner) {
+  return owner.is_object() && owner.contains("subckt");
+}
+
 // Netlists and recordings, wherever in the model they are named; what cannot be read is refused
 // when the model is built.
-void collect_files(const json& value, std::vector<std::string>& names) {
+void collect_files(const json& value, std::vector<NamedFile>& files) {
   if (!value.is_structured()) return;
   for (const auto& [key, inner] : value.items()) {
-    if (key == "file" && inner.is_string()) names.push_back(inner);
-    collect_files(inner, names);
+    if (key == "file" && inner.is_string()) files.push_back({inner, is_netlist(value)});
+    collect_files(inner, files);
+  }
+}
+
+std::vector<std::filesystem::path> find_read_files(const std::filesystem::path& path,
+                                                   bool is_netlist) {
+  if (!is_netlist) return {path};
+  try {
+    return find_spice_files(path);
+  } catch (const Error&) {  // refused when the model is built
+    return {path};
   }
 }
 
@@ -135,15 +157,23 @@ std::string SweepPlan::describe_point(std::size_t point) const {
 
 json SweepPlan::identify() const {
   json files = json::object();
-  std::vector<std::string> names;
-  collect_files(normal_, names);
+  std::vector<NamedFile> named;
+  collect_files(normal_, named);
   for (const Variation& variation : variations_) {
     if (variation.pointer().back() != "file") continue;
+    const bool netlist = is_netlist(normal_[variation.pointer().parent_pointer()]);
     for (const json& value : variation.text().values)
-      if (value.is_string()) names.push_back(value);
+      if (value.is_string()) named.push_back({value, netlist});
   }
   const auto folder = std::filesystem::path(study_.model_file).parent_path();
-  for (const std::string& name : names) files[name] = compute_sha256(read_bytes(folder / name));
+  for (const NamedFile& file : named) {
+    const auto read = find_read_files(folder / file.name, file.is_netlist);
+    files[file.name] = compute_sha256(read_bytes(read.front()));
+    for (std::size_t i = 1; i < read.size(); ++i) {  // where its includes begin, on any machine
+      const auto beside = folder.empty() ? read[i] : read[i].lexically_relative(folder);
+      files[(beside.empty() ? read[i] : beside).string()] = compute_sha256(read_bytes(read[i]));
+    }
+  }
   return {{"program", fmt::format("gyrator {}", version)},
           {"study", describe_study(study_)},
           {"model_sha256", model_sha256_},

@@ -38,7 +38,8 @@ class SweepPlan {
   std::string describe_point(std::size_t point) const;
 
   const std::string& model_sha256() const { return model_sha256_; }
-  /// What decides every number of the result: program, study, model, and the files that it names.
+  /// What decides every number of the result: program, study, model, and the files that it names
+  /// and those include.
   const nlohmann::json& identity() const { return identity_; }
   /// SHA-256 of it.
   std::string digest() const;

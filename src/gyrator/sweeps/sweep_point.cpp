@@ -4,6 +4,7 @@
 #include "gyrator/core/interrupt.hpp"
 #include "gyrator/studies/parallel.hpp"
 
+#include <algorithm>
 #include <array>
 #include <exception>
 #include <limits>
@@ -63,18 +64,19 @@ ChunkResult compute_chunk(const SweepPlan& plan, const Chunk& chunk, int threads
   } catch (const Error& error) {
     if (error.code() == ErrorCode::interrupted) interrupted = error;
   }
-  ChunkResult result{chunk.first, {}, {}};
-  for (std::size_t i = 0; i < chunk.count && points[i]; ++i) {
-    if (!plan.study().keep_going && points[i]->status != PointStatus::ok) {
-      const std::size_t point = chunk.first + i;
-      result.stopped_by =
-          Error(codes[i], fmt::format("point {} ({})", point, plan.describe_point(point)),
-                points[i]->reason);
-      return result;
-    }
-    result.points.push_back(std::move(*points[i]));
+  ChunkResult result{chunk.first, {}, interrupted};
+  const auto stops = [&](const std::optional<PointResult>& point) {
+    return !plan.study().keep_going && point && point->status != PointStatus::ok;
+  };
+  // Before it may be points that were never begun, since it ended the other threads' work.
+  if (const auto stop = std::find_if(points.begin(), points.end(), stops); stop != points.end()) {
+    const auto i = static_cast<std::size_t>(stop - points.begin());
+    const std::size_t point = chunk.first + i;
+    result.stopped_by = Error(
+        codes[i], fmt::format("point {} ({})", point, plan.describe_point(point)), (*stop)->reason);
   }
-  result.stopped_by = interrupted;
+  for (std::size_t i = 0; i < chunk.count && points[i] && !stops(points[i]); ++i)
+    result.points.push_back(std::move(*points[i]));
   return result;
 }
 

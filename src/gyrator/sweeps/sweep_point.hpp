@@ -32,7 +32,7 @@ struct Chunk {
 struct ChunkResult {
   std::size_t first = 0;
   std::vector<PointResult> points;
-  /// The point after them could not be computed, or the user pressed Ctrl-C.
+  /// A point after them could not be computed, or the user pressed Ctrl-C.
   std::optional<Error> stopped_by;
 };
 

@@ -164,7 +164,6 @@ SweepSummary run_study(const std::function<SweepPlan()>& prepare, const SweepReq
     SweepRecord record(store, *kept->journal, progress);
     if (nodes != nullptr) {
       lead_sweep(*plan, *nodes, queue, record, threads);
-      nodes->finish();
     } else {
       work_off(*plan, queue, record, threads);
     }

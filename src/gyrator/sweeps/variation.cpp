@@ -40,6 +40,15 @@ void read_points(VariationText& variation, std::string_view whole, std::string_v
   }
 }
 
+// Where the two dots of a range are; those of the folder above ("../a.cir") are none.
+std::size_t find_range(std::string_view values) {
+  std::size_t at = values.find("..");
+  while (at != std::string_view::npos && at + 2 < values.size() &&
+         (values[at + 2] == '/' || values[at + 2] == '\\'))
+    at = values.find("..", at + 2);
+  return at;
+}
+
 }  // namespace
 
 VariationText parse_variation(std::string_view text) {
@@ -50,7 +59,7 @@ VariationText parse_variation(std::string_view text) {
   variation.path = trim(text.substr(0, equals));
   variation.place = "--vary " + variation.path;
   std::string_view values = text.substr(equals + 1);
-  const std::size_t dots = values.find("..");
+  const std::size_t dots = find_range(values);
   if (dots == std::string_view::npos) {
     for (std::size_t at = 0; at <= values.size();) {
       const std::size_t comma = std::min(values.find(',', at), values.size());
@@ -168,6 +177,8 @@ void Variation::read_range() {
   const bool to_bare = !has_unit(*text_.to) && to_ != 0;
   if ((from_bare && has_unit(*text_.to)) || (to_bare && has_unit(*text_.from)))
     refuse("only one end of the range has a unit: write it at both");
+  if (text_.points == 1 && from_ != to_)
+    refuse("a range of 1 point would leave out its end: give the value itself, or 2 points");
   if (text_.logarithmic && !(from_ * to_ > 0)) {
     refuse(fmt::format("{} to {}: a logarithmic range does not reach or pass zero",
                        format_number(from_), format_number(to_)));
@@ -188,6 +199,7 @@ SweepValue Variation::at_grid(std::size_t index) const {
 }
 
 SweepValue Variation::at_share(double share) const {
+  if (values_.empty() && found_.member.kind == ValueKind::integer) return make_whole(share);
   if (values_.empty()) return make_in_range(share);
   const auto index = static_cast<std::size_t>(share * static_cast<double>(values_.size()));
   return values_[std::min(index, values_.size() - 1)];
@@ -206,6 +218,20 @@ SweepValue Variation::make_in_range(double share) const {
   if (!(std::abs(v) < longest)) refuse(fmt::format("{} s: is too long", format_number(v)));
   const Rational time(std::llround(v * 1e9), nanoseconds);
   return {time.to_string(), time.to_double(), {}};
+}
+
+// Rounding to the nearest one would take the ends half as often as the others.
+SweepValue Variation::make_whole(double share) const {
+  const double step = to_ < from_ ? -1 : 1;
+  double v = from_ + step * std::floor(share * (std::abs(to_ - from_) + 1));
+  if (text_.logarithmic) {
+    const double low = std::min(std::abs(from_), std::abs(to_));
+    const double high = std::max(std::abs(from_), std::abs(to_));
+    const double way = std::abs(from_) <= std::abs(to_) ? share : 1 - share;
+    v = std::copysign(std::floor(low * std::pow((high + 1) / low, way)), from_);
+  }
+  v = std::clamp(v, std::min(from_, to_), std::max(from_, to_));  // a share next to 1, rounded
+  return {static_cast<std::int64_t>(v), v, {}};
 }
 
 // By the model's own reader, which knows bounds, choices, and keys that exclude one another.

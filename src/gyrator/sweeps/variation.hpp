@@ -43,7 +43,9 @@ struct SweepValue {
 ///   at a share u         the same with u in place of k/(N - 1); of a list of n values the one with
 ///                        the number floor(u n)                                       (sweep-3)
 /// The ends are met exactly. Of a range, times are rounded to whole nanoseconds (the simulator's
-/// clock is exact) and whole numbers to the nearest one.
+/// clock is exact) and, on a grid, whole numbers to the nearest one. At a share each of the n whole
+/// numbers of a range has the same part of it: from + floor(u n); with `log` the number v has the
+/// part from v to v + 1 of the range from |from| to |to| + 1.
 class Variation {
  public:
   /// `normal` is the model in normal form, `format` its table. Throws bad_input, at the text's
@@ -67,6 +69,7 @@ class Variation {
   SweepValue read(const nlohmann::json& value) const;
   SweepValue read_number(const nlohmann::json& value) const;
   SweepValue make_in_range(double share) const;
+  SweepValue make_whole(double share) const;
   void read_range();
   void check(const SweepValue& value, nlohmann::json normal, const Member& format) const;
   [[noreturn]] void refuse(const std::string& message) const;

@@ -133,8 +133,10 @@ TEST_F(Journal, of_another_study_is_refused_with_what_is_different) {
 
 TEST_F(Journal, of_another_kind_of_file_is_left_alone) {
   write_text_file(path(), "notes of mine");
-  EXPECT_THROW(read(twelve_points(), false), Error);
-  EXPECT_EQ(read_text(path()), "notes of mine");
+  for (const bool restart : {false, true}) {
+    EXPECT_THROW(read(twelve_points(), restart), Error);
+    EXPECT_EQ(read_text(path()), "notes of mine");
+  }
 }
 
 TEST_F(Journal, can_be_read_without_its_model_and_study_files) {
@@ -169,6 +171,29 @@ TEST_F(Journal, and_result_hold_the_same_with_units) {
   EXPECT_EQ(table.file.attribute("command_line"), "gyrator study run");
   EXPECT_EQ(table.file.attribute("model_sha256"), plan.model_sha256());
   EXPECT_EQ(folder_.count(), 1U);
+}
+
+// The failing point lies in the upper half of the chunk, which another thread has begun with while
+// the first has most of the lower half before it.
+TEST(Chunk, a_failing_point_behind_points_that_were_never_begun_is_told) {
+  SweepStudy study;
+  study.file = study.model_file = "model.json";
+  study.model_text =
+      R"({"motion": "rotary", "name": "test", "mechanics": {"inertia": 2e-5, "damping": 1e-4},
+    "motor": {"torque_constant": 0.05, "resistance": "1.5 ohm"}, "amplifier": {"kind": "voltage"},
+    "damping": [{"kind": "resistance_cancellation", "fraction": 0.5}],
+    "sampling": {"period": "1 ms"},
+    "controller": {"kind": "virtual_wall", "stiffness": 0.4, "damping": 1.5e-4}})";
+  study.analysis = "zwidth";
+  std::string values = "damping.0.fraction=";
+  for (int i = 0; i < 400; ++i) values += i == 200 ? "1.5," : "0.5,";
+  study.vary.push_back(parse_variation(values + "0.5"));
+  const SweepPlan plan(study);
+  const ChunkResult result = compute_chunk(plan, {0, 401}, 2);
+  ASSERT_TRUE(result.stopped_by);
+  EXPECT_EQ(result.stopped_by->place(), "point 200 (damping.0.fraction = 1.5)");
+  EXPECT_LE(result.points.size(), 200U);
+  for (const PointResult& point : result.points) EXPECT_EQ(point.status, PointStatus::ok);
 }
 
 TEST(SweepQueue, hands_out_every_missing_point_once_and_smaller_chunks_towards_the_end) {

@@ -101,6 +101,38 @@ TEST(Variation, a_share_of_a_list_takes_each_value_as_often) {
   EXPECT_EQ(list.at_share(std::nextafter(1.0, 0.0)).number, 4);
 }
 
+// n equal steps of u meet each of n whole numbers equally often, the ends like the others.
+TEST(Variation, a_share_of_a_range_of_whole_numbers_takes_each_as_often) {
+  for (const char* const range : {"simulation.seed=1..4", "simulation.seed=4..1"}) {
+    const Variation seed = vary(range);
+    int taken[4] = {};
+    for (int i = 0; i < 100; ++i) ++taken[seed.at_share((i + 0.5) / 100).given.get<int>() - 1];
+    for (const int times : taken) EXPECT_EQ(times, 25) << range;
+    EXPECT_EQ(seed.at_share(0).given, range[16] - '0');
+    EXPECT_EQ(seed.at_share(std::nextafter(1.0, 0.0)).given, '5' - range[16]);
+  }
+}
+
+TEST(Variation, a_share_of_a_logarithmic_range_of_whole_numbers_favours_none_of_its_ends) {
+  // From 1 to 3: v has the part log((v + 1)/v) of log 4.
+  for (const char* const range : {"simulation.seed=1..3:log", "simulation.seed=3..1:log"}) {
+    const Variation seed = vary(range);
+    int taken[3] = {};
+    for (int i = 0; i < 1000; ++i) ++taken[seed.at_share((i + 0.5) / 1000).given.get<int>() - 1];
+    for (int v = 1; v <= 3; ++v) {
+      const double expected = 1000 * std::log((v + 1.0) / v) / std::log(4.0);
+      EXPECT_NEAR(taken[v - 1], expected, 1) << range << v;  // one step of u at the borders
+    }
+  }
+}
+
+TEST(Variation, the_folder_above_is_no_range) {
+  const VariationText text = parse_variation("damping.0.file=../a.cir,b/../../c.cir");
+  ASSERT_EQ(text.values.size(), 2U);
+  EXPECT_EQ(text.values[0], "../a.cir");
+  EXPECT_EQ(text.values[1], "b/../../c.cir");
+}
+
 TEST(Variation, an_unknown_key_is_refused_with_the_nearest_one) {
   const std::string message = refusal("damping.0.capacitence=1uF,2uF");
   EXPECT_NE(message.find("--vary damping.0.capacitence"), std::string::npos) << message;
@@ -120,6 +152,7 @@ TEST(Variation, what_the_model_does_not_allow_is_refused_before_anything_is_comp
         std::pair{"amplifier.sense=total..motor:2", "has no range"},
         std::pair{"controller.stiffness=0.1,,0.2", "a value is missing"},
         std::pair{"controller.stiffness=0.1..0.2:0", "a number of points"},
+        std::pair{"controller.stiffness=0.1..0.2:1", "would leave out its end"},
         std::pair{"controller.stiffness", "PATH=FROM..TO:N"}}) {
     const std::string message = refusal(text);
     EXPECT_NE(message.find(fragment), std::string::npos) << text << ": " << message;
