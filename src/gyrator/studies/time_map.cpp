@@ -243,7 +243,8 @@ class Map {
         at.push_back(j);
         low.push_back({request_.damping[j], i > 0 ? stiffness_[i - 1] : 0});
         high.push_back({request_.damping[j], stiffness_[i]});
-        border_[j].frequency_hz = cell.frequency_hz;
+        // None where it ran away before it could be told.
+        if (cell.frequency_hz > 0) border_[j].frequency_hz = cell.frequency_hz;
         break;
       }
     }
