@@ -35,6 +35,22 @@ class TimeMap(unittest.TestCase):
             for name in ("settles", "diverges"):
                 self.assertIn(name, text)
 
+    def test_columns_of_all_criteria_stand_at_the_same_dampings(self):
+        with tempfile.TemporaryDirectory() as folder:
+            table = pathlib.Path(folder) / "map.csv"
+            dampings = ",".join(f"{(i * 37) % 90 * 6e-6:.9g}" for i in range(90))  # 90 of them, out of order
+            done = run("zwidth", EXAMPLE, "--criterion", "coupled,time", "--damping", dampings, "--stiffness", "0..1.5",
+                       "--rows", "30", "--duration", "2 s", "--csv", str(table), "--json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            coupled, time = json.loads(done.stdout)["boundaries"]
+            self.assertEqual(coupled["damping"], time["damping"])
+            self.assertEqual(coupled["damping"], sorted(coupled["damping"]))
+            rows = table.read_text().splitlines()
+            self.assertEqual(len(rows), 91)
+            for row in rows[1:]:
+                _, stable, settles = map(float, row.split(","))
+                self.assertAlmostEqual(stable, settles, delta=0.05)  # a row of the map
+
     def test_the_hand_can_hit_and_hold(self):
         done = run("zwidth", EXAMPLE, "--criterion", "time", "--damping", "1e-4", "--stiffness", "0.05,1.5", "--gesture",
                    "hit,hold", "--json")
@@ -48,6 +64,8 @@ class TimeMap(unittest.TestCase):
             done = run("zwidth", EXAMPLE, "--criterion", "coupled", "--points", "2", option)
             self.assertEqual(done.returncode, 2, option)
             self.assertIn("--criterion time", done.stderr)
+        done = run("zwidth", EXAMPLE, "--envelope", "--rows", "9")
+        self.assertEqual(done.returncode, 2)
 
     def test_where_no_row_fails_nothing_is_said_of_stiffer_walls(self):
         done = run("zwidth", EXAMPLE, "--criterion", "time", "--damping", "5e-4", "--stiffness", "0.1,0.2")

@@ -129,10 +129,13 @@ std::string describe(const Model& model, const nlohmann::json& result, bool verb
         "plot.\n",
         rows);
   }
+  bool all_simulated = true;
   for (const auto& b : result["boundaries"]) {
     if (b.contains("map")) text += describe_map(b);
+    all_simulated = all_simulated && b.contains("map");
   }
-  return text + describe_linear_range(model, result) + describe_nominal_values(model);
+  if (!all_simulated) text += describe_linear_range(model, result);
+  return text + describe_nominal_values(model);
 }
 
 std::vector<Criterion> choose_envelope_criterion(const Options& options) {
@@ -285,7 +288,6 @@ TimeMapRequest make_time_request(const Options& options, const Model& model,
                                  const std::vector<double>& damping) {
   TimeMapRequest request;
   request.damping = damping;
-  std::sort(request.damping.begin(), request.damping.end());
   request.stiffness = parse_rows(options, units_of(model.device.motion).stiffness);
   std::sort(request.stiffness.begin(), request.stiffness.end());
   request.rows = options.rows;
@@ -297,23 +299,10 @@ TimeMapRequest make_time_request(const Options& options, const Model& model,
   return request;
 }
 
-// Curves over a map of many columns need no more points than the eye resolves.
-std::vector<double> thin(const std::vector<double>& damping) {
-  constexpr std::size_t enough = 65;
-  if (damping.size() <= enough) return damping;
-  std::vector<double> kept;
-  for (std::size_t i = 0; i < enough; ++i)
-    kept.push_back(damping[i * (damping.size() - 1) / (enough - 1)]);
-  return kept;
-}
-
 void run(const Options& options) {
   check_outputs(options.common);
-  if (options.envelope) return run_envelope(options);
   const Criteria criteria = parse_criteria(options.criteria);
-  const Model model = load_model(options.common.model);
-  ZwidthRequest request{choose_damping(options, model), criteria.list, options.common.quiet, {}};
-  if (!criteria.time && !options.map_option.empty()) {
+  if ((!criteria.time || options.envelope) && !options.map_option.empty()) {
     throw Error(ErrorCode::bad_input, options.map_option,
                 "belongs to the map by time: add --criterion time");
   }
@@ -321,9 +310,12 @@ void run(const Options& options) {
       options.map_option == "--rows") {
     throw Error(ErrorCode::bad_input, "--rows", "a list of --stiffness has its own rows");
   }
-  if (criteria.time) {
+  if (options.envelope) return run_envelope(options);
+  const Model model = load_model(options.common.model);
+  ZwidthRequest request{choose_damping(options, model), criteria.list, options.common.quiet, {}};
+  if (criteria.time) {  // columns of a map rise, and curves over it have the same
+    std::sort(request.damping.begin(), request.damping.end());
     request.time = make_time_request(options, model, request.damping);
-    request.damping = thin(request.damping);
   }
   const nlohmann::json result = make_zwidth_result(model, request);
   if (!options.common.csv.empty()) {
