@@ -11,8 +11,6 @@
 namespace gyrator {
 namespace {
 
-constexpr double runaway_ratio = 1e9;
-constexpr long samples_between_checks = 16;
 constexpr long samples_between_reports = 4096;
 constexpr double most_trace_bytes = 4e9;
 

@@ -17,6 +17,11 @@
 
 namespace gyrator {
 
+/// A run has run away when a state is this much larger than any was in the first samples; looked at
+/// every so many samples.
+inline constexpr double runaway_ratio = 1e9;
+inline constexpr long samples_between_checks = 16;
+
 struct SimulationOptions {
   Rational duration{1, 2};      ///< [s]; runs to the last sample instant at or before it
   double initial_position = 0;  ///< [m, rad]

@@ -8,7 +8,8 @@ namespace gyrator {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double runaway_ratio = 1e9;  // as in simulate()
+
+static_assert(samples_between_looks == samples_between_checks);
 
 LaneKernel find_kernel(LaneInstructions instructions, const LaneProgram& program) {
 #if defined(__x86_64__)
@@ -40,9 +41,7 @@ LaneBlock::LaneBlock(const LaneScene& scene, const LaneDesign& example,
   const long rows = program_.samples + 1;
   program_.first_position = kept == Positions::all ? 0 : std::min(rows - rows / 3, rows - 1);
   prepare_program(example);
-  general_ = find_kernel(instructions, program_);
-  program_.shared_plant = true;
-  shared_ = find_kernel(instructions, program_);
+  kernel_ = find_kernel(instructions, program_);
   const auto n = static_cast<std::size_t>(program_.states);
   const auto m = static_cast<std::size_t>(program_.law_states);
   constexpr auto lanes = static_cast<std::size_t>(lanes_per_block);
@@ -186,10 +185,9 @@ void LaneBlock::run(std::span<const LaneDesign> designs) {
   loaded_ = shared ? designs.front().plant : nullptr;
   std::fill(commands_.begin(), commands_.end(), 0);
   std::fill(reference_.begin(), reference_.end(), 0);
-  (shared ? shared_ : general_)(
-      program_, {propagate_.data(), signals_.data(), law_.data(), pushing_.data()},
-      {xi_.data(), law_state_.data(), commands_.data(), reference_.data()},
-      {position_.data(), velocity_.data(), ends_.data(), end_rows_.data()});
+  kernel_(program_, {propagate_.data(), signals_.data(), law_.data(), pushing_.data()},
+          {xi_.data(), law_state_.data(), commands_.data(), reference_.data()},
+          {position_.data(), velocity_.data(), ends_.data(), end_rows_.data()});
 }
 
 std::array<double, lanes_per_block> LaneBlock::half_swings(long from, long to) const {

@@ -49,7 +49,7 @@ class LaneBlock {
 
   const LaneScene& scene_;
   LaneProgram program_;
-  LaneKernel general_, shared_;
+  LaneKernel kernel_;
   const LanePlant* loaded_ = nullptr;  // that all lanes share
   Numbers propagate_, signals_, law_, pushing_, xi_, law_state_, commands_, reference_;
   Numbers position_, velocity_;

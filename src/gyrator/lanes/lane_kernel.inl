@@ -34,8 +34,8 @@ class Block {
            : LawStates == last_sample ? 1
                                       : LawStates) {}
 
-  long run() {
-    const FlushTinyNumbers flush;
+  void run() {
+    [[maybe_unused]] const FlushTinyNumbers flush;
     for (int lane = 0; lane < lanes_per_block; ++lane) {
       t_.end[lane] = LaneEnd::ran_through;
       t_.rows[lane] = p_.samples + 1;
@@ -48,10 +48,9 @@ class Block {
       const bool look = stop <= p_.samples;
       advance(k, look ? stop : p_.samples, rows);
       k = look ? stop : p_.samples;
-      if (look && !go_on(k)) return k;
+      if (look && !go_on(k)) return;
     }
     for (int lane = 0; lane < lanes_per_block; lane += vector_width) record(rows, lane);
-    return k + 1;
   }
 
  private:
@@ -269,11 +268,13 @@ class Block {
 };
 
 template <int States, int LawStates>
-long run(const LaneProgram& program, const LaneCoefficients& coefficients, const LaneState& state,
+void run(const LaneProgram& program, const LaneCoefficients& coefficients, const LaneState& state,
          const LaneTraces& traces) {
-  return program.shared_plant
-             ? Block<States, LawStates, true>(program, coefficients, state, traces).run()
-             : Block<States, LawStates, false>(program, coefficients, state, traces).run();
+  if (program.shared_plant) {
+    Block<States, LawStates, true>(program, coefficients, state, traces).run();
+  } else {
+    Block<States, LawStates, false>(program, coefficients, state, traces).run();
+  }
 }
 
 template <int States>

@@ -61,9 +61,8 @@ struct LaneTraces {
   long* rows;
 };
 
-/// Advances a block from its state at t = 0 to the end, or until every lane has run away. Returns
-/// the number of rows recorded.
-using LaneKernel = long (*)(const LaneProgram&, const LaneCoefficients&, const LaneState&,
+/// Advances a block from its state at t = 0 to the end, or until every lane has run away.
+using LaneKernel = void (*)(const LaneProgram&, const LaneCoefficients&, const LaneState&,
                             const LaneTraces&);
 
 namespace lane_baseline {

@@ -22,11 +22,14 @@ constexpr int vector_width = 2;
 typedef double Vector __attribute__((vector_size(8 * vector_width)));
 typedef long long Mask __attribute__((vector_size(8 * vector_width)));
 
+// Memory is written and read as numbers, too.
+typedef double VectorInMemory __attribute__((vector_size(8 * vector_width), may_alias));
+
 inline Vector load(const double* from) {
-  return *reinterpret_cast<const Vector*>(from);
+  return *reinterpret_cast<const VectorInMemory*>(from);
 }
 inline void store(double* to, Vector v) {
-  *reinterpret_cast<Vector*>(to) = v;
+  *reinterpret_cast<VectorInMemory*>(to) = v;
 }
 inline Vector broadcast(double v) {
 #if defined(__AVX512F__)
