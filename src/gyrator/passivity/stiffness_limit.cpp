@@ -192,14 +192,18 @@ StiffnessLimit StiffnessLimits::find_on_grid(double virtual_damping) {
   // The disks exclude a pole on the unit circle for every smaller K, so one stable K proves them
   // all.
   const double inside = std::isfinite(result.stiffness) ? result.stiffness / 2 : 1;
-  const DiscreteStateSpace law = family_.make(inside, virtual_damping);
-  // Held still as well: a law with a corner of its own below the grid (a soft wall behind a wave
-  // line) could hide there.
+  return is_stable(inside, virtual_damping) ? result : StiffnessLimit{0, false, 0};
+}
+
+// With nothing attached, and held still: a law with a corner of its own below the grid (a soft wall
+// behind a wave line) could hide there.
+bool StiffnessLimits::is_stable(double stiffness, double virtual_damping) const {
+  const DiscreteStateSpace law = family_.make(stiffness, virtual_damping);
   for (const Operator& extreme : {Operator{FreeOperator{}}, Operator{ClampedOperator{}}}) {
     if (compute_loop_radius(device_, extreme, sampling_, law) > 1 + stability_tolerance)
-      return {0, false, 0};
+      return false;
   }
-  return result;
+  return true;
 }
 
 StiffnessLimit StiffnessLimits::find_exact_disk(double virtual_damping) {
@@ -217,6 +221,7 @@ StiffnessLimit StiffnessLimits::find_exact_disk(double virtual_damping) {
     if (proof.outcome == ProofOutcome::proved) {
       proved = below;
       if (proved - undecided <= far) {
+        if (!is_stable(inside, virtual_damping)) return {0, false, limit.worst_frequency_hz};
         if (below > far) limit.stiffness = inside;
         return limit;
       }
@@ -241,7 +246,7 @@ StiffnessLimit StiffnessLimits::find_exact_disk(double virtual_damping) {
       below = proved < 1 ? (proved + undecided) / 2 : 4 * below;
     }
   }
-  if (proved < 1) {
+  if (proved < 1 && is_stable((1 - proved) * limit.stiffness, virtual_damping)) {
     limit.stiffness *= 1 - proved;
     return limit;
   }

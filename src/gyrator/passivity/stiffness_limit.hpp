@@ -62,6 +62,7 @@ class StiffnessLimits {
   StiffnessLimit find_frequency_dependent(double virtual_damping);
   StiffnessLimit find_exact_disk(double virtual_damping);
   StiffnessLimit find_coupled(double virtual_damping);
+  bool is_stable(double stiffness, double virtual_damping) const;
   double find_disk_limit(const DiskPoint& disk, const LawFamily::Point& law,
                          double virtual_damping) const;
   template <class Function>
