@@ -13,18 +13,6 @@
 namespace gyrator {
 namespace {
 
-WallValues find_wall(const Model& model) {
-  if (const HeldImpedance* held = find_held_impedance(model.device))
-    return {held->stiffness, held->damping};
-  const auto wall = find_wall_values(model.controller);
-  if (!wall) {
-    throw Error(ErrorCode::bad_input, "controller/kind",
-                "no wall whose largest stiffness could be found: use virtual_wall, "
-                "predictive_wall or wave");
-  }
-  return *wall;
-}
-
 // As require_stable_device, without a search for what to do about it.
 bool is_stable_alone(const Device& whole) {
   Device device = whole;
@@ -35,6 +23,18 @@ bool is_stable_alone(const Device& whole) {
 }
 
 }  // namespace
+
+WallValues require_wall(const Model& model) {
+  if (const HeldImpedance* held = find_held_impedance(model.device))
+    return {held->stiffness, held->damping};
+  const auto wall = find_wall_values(model.controller);
+  if (!wall) {
+    throw Error(ErrorCode::bad_input, "controller/kind",
+                "no wall whose largest stiffness could be found: use virtual_wall, "
+                "predictive_wall or wave");
+  }
+  return *wall;
+}
 
 std::string_view name_of(WallOutcome outcome) {
   switch (outcome) {
@@ -58,7 +58,7 @@ std::string_view name_of(SampleDistribution distribution) {
 
 LimitSampler::LimitSampler(const Model& model)
     : box_(model.device_box()),
-      wall_(find_wall(model)),
+      wall_(require_wall(model)),
       controller_(model.sampled_controller()),
       sampling_(model.sampling),
       quantum_(model.sensor.quantum) {

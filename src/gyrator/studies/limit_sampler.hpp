@@ -10,6 +10,10 @@
 
 namespace gyrator {
 
+/// The stiffness and damping of the model's wall, sampled or held. Throws bad_input for a controller
+/// that has no wall whose stiffness could be limited.
+WallValues require_wall(const Model& model);
+
 /// What becomes of the model's wall on one device of the box.
 enum class WallOutcome {
   passive,

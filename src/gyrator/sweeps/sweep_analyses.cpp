@@ -50,15 +50,9 @@ std::vector<SweepOutput> limit_outputs(Motion motion) {
 std::vector<double> find_limit(const Model& model, Criterion criterion) {
   const StiffnessLimit limit = naming_file(model, [&] {
     require_stable_device(model.device);
-    const HeldImpedance* held = find_held_impedance(model.device);
-    const auto wall = find_wall_values(model.controller);
-    if (held == nullptr && !wall) {
-      throw Error(ErrorCode::bad_input, "controller/kind",
-                  "no wall whose largest stiffness could be found: use virtual_wall, "
-                  "predictive_wall or wave");
-    }
+    const WallValues wall = require_wall(model);
     StiffnessLimits limits(model.device, model.sampling, model.sampled_controller(), model.held_by);
-    return limits.find(criterion, held != nullptr ? held->damping : wall->damping);
+    return limits.find(criterion, wall.damping);
   });
   return {limit.feasible ? limit.stiffness : 0.0, limit.worst_frequency_hz,
           limit.feasible ? 1.0 : 0.0};
