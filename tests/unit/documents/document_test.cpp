@@ -1,9 +1,6 @@
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/rational.hpp"
-#include "gyrator/documents/document_manual.hpp"
 #include "gyrator/documents/document_reader.hpp"
-#include "gyrator/documents/document_schema.hpp"
-#include "gyrator/documents/document_spec.hpp"
 
 #include <cmath>
 #include <limits>
@@ -14,92 +11,13 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "document_example.hpp"
+
 namespace gyrator {
 namespace {
 
+using namespace documents_tests;
 using nlohmann::json;
-
-// A small device with one member of each sort, as the model file has them.
-ObjectSpec make_device() {
-  const ObjectSpec motor{
-      "motor",
-      "The winding.",
-      {member::quantity("resistance", dimension::resistance)
-           .required()
-           .above(0, "a winding loses energy")
-           .doc("Of the winding."),
-       member::quantity("inductance", dimension::inductance)
-           .by_default(0)
-           .at_least(0)
-           .doc("Self-inductance."),
-       member::quantity("torque_constant", dimension::torque_constant).doc("Torque per ampere.")}};
-  const ObjectSpec resistor{
-      "resistor",
-      "A resistor across the terminals.",
-      {member::quantity("resistance", dimension::resistance).required().doc("Its value.")}};
-  const ObjectSpec rc{"rc",
-                      "A resistor and a capacitor in series.",
-                      {member::quantity("resistance", dimension::resistance).required(),
-                       member::quantity("capacitance", dimension::capacitance).required()}};
-  const ObjectSpec cancellation{"cancellation",
-                                "A negative resistance.",
-                                {member::quantity("resistance", dimension::resistance),
-                                 member::number("fraction").at_least(0).at_most(1)},
-                                {{"resistance", "fraction"}}};
-  const ObjectSpec current{
-      "current",
-      "A current amplifier.",
-      {member::choice("sense", {"total", "motor"}).by_default("total").doc("Where it measures.")}};
-  const ObjectSpec limit{"limits",
-                         "",
-                         {member::quantity("high", dimension::current), member::boolean("fold")},
-                         {},
-                         {{"high", "fold"}}};
-  return {
-      "device",
-      "A device | with a motor.",
-      {member::text("name").by_default("unnamed").doc("Free text."),
-       member::object("motor", motor).required().doc("The motor."),
-       member::variant("damping", {resistor, rc, cancellation}).list().by_default(json::array()),
-       member::variant("amplifier", {current, {"ideal", "No dynamics.", {}}})
-           .by_default({{"kind", "ideal"}}),
-       member::time("period").by_default("1 ms").above(0).doc("Of the loop."),
-       member::integer("order").by_default(1).at_least(1).below(5),
-       member::boolean("unilateral").by_default(false),
-       member::quantity("frequencies", dimension::frequency).list(1, 3).above(0),
-       member::quantity("quantum", dimension::angle_quantum).by_default(0),
-       member::object("limits", limit), member::anything("notes")}};
-}
-
-json make_smallest() {
-  return {{"motor", {{"resistance", 1.5}}}};
-}
-
-// The smallest document with one change in it.
-json with(const char* pointer, const json& value) {
-  json document = make_smallest();
-  document[json::json_pointer(pointer)] = value;
-  return document;
-}
-
-json read(const json& document) {
-  return read_document(document, make_device(), "d.json");
-}
-
-struct Refusal {
-  std::string place;
-  std::string message;
-};
-
-Refusal find_refusal(const json& document) {
-  try {
-    read(document);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::bad_input);
-    return {error.place(), error.message()};
-  }
-  return {"", "no error"};
-}
 
 TEST(ReadDocument, fills_defaults_and_writes_null_for_what_is_optional) {
   EXPECT_EQ(read(make_smallest()), json::parse(R"({
@@ -322,18 +240,6 @@ TEST(ReadDocument, default_that_breaks_its_own_rule_is_refused) {
   EXPECT_THROW(read_document(json::object(), spec, ""), Error);
 }
 
-// Two forms of a file, told apart by a key at the top, as the model's motion is.
-Member make_two_forms() {
-  const auto make_form = [](const char* motion, const Unit& unit) {
-    return ObjectSpec{motion, "", {member::quantity("stiffness", unit).required()}};
-  };
-  return member::variant("",
-                         {make_form("rotary", dimension::rotary_stiffness),
-                          make_form("linear", dimension::linear_stiffness)},
-                         "motion")
-      .kind_by_default("rotary");
-}
-
 TEST(ReadDocument, root_may_be_a_variant_with_a_default_kind) {
   const Member root = make_two_forms();
   EXPECT_EQ(read_document({{"stiffness", "3 N.m"}}, root, ""),
@@ -350,202 +256,6 @@ TEST(ReadDocument, root_may_be_a_variant_with_a_default_kind) {
     EXPECT_EQ(error.message(),
               "unknown motion 'linera': allowed: rotary, linear; did you mean 'linear'?");
   }
-}
-
-TEST(WriteJsonSchema, has_each_member_with_its_type_bounds_and_default) {
-  const json schema = build_json_schema(member::object("", make_device()), "gyrator/device/1");
-  EXPECT_EQ(schema["$id"], "gyrator/device/1");
-  EXPECT_EQ(schema["additionalProperties"], false);
-  EXPECT_EQ(schema["required"], json({"motor"}));
-  const json& motor = schema["properties"]["motor"];
-  EXPECT_EQ(motor["type"], "object");
-  const json& resistance = motor["properties"]["resistance"];
-  EXPECT_EQ(resistance["anyOf"][0], json({{"type", "number"}, {"exclusiveMinimum", 0.0}}));
-  EXPECT_EQ(resistance["anyOf"][1]["type"], "string");
-  EXPECT_EQ(resistance["description"],
-            "Of the winding. In ohm, or a text such as \"1.5 ohm\". Must be above 0 ohm.");
-  EXPECT_EQ(motor["properties"]["inductance"]["default"], 0);
-  EXPECT_EQ(motor["properties"]["torque_constant"]["anyOf"].size(), 3U);  // null too
-  EXPECT_EQ(schema["properties"]["order"]["exclusiveMaximum"], 5.0);
-  EXPECT_EQ(schema["properties"]["frequencies"]["minItems"], 1);
-  // Its rule on keys must not be asked of null.
-  EXPECT_EQ(schema["properties"]["limits"]["anyOf"][0]["allOf"].size(), 1U);
-  EXPECT_EQ(schema["properties"]["limits"]["anyOf"][1], json({{"type", "null"}}));
-}
-
-TEST(WriteJsonSchema, variant_is_one_of_objects_with_a_constant_kind) {
-  const json schema = build_json_schema(member::object("", make_device()), "x");
-  const json& kinds = schema["properties"]["damping"]["items"]["oneOf"];
-  ASSERT_EQ(kinds.size(), 3U);
-  EXPECT_EQ(kinds[1]["properties"]["kind"]["const"], "rc");
-  EXPECT_EQ(kinds[1]["required"], json({"kind", "resistance", "capacitance"}));
-  EXPECT_EQ(kinds[2]["allOf"][0]["oneOf"].size(), 2U);
-  const json& sense = schema["properties"]["amplifier"]["oneOf"][0]["properties"]["sense"];
-  EXPECT_EQ(sense["enum"], json({"total", "motor"}));
-}
-
-TEST(WriteJsonSchema, default_kind_need_not_be_written) {
-  const json schema = build_json_schema(make_two_forms(), "x");
-  EXPECT_EQ(schema["oneOf"][0]["required"], json({"stiffness"}));
-  EXPECT_EQ(schema["oneOf"][1]["required"], json({"motion", "stiffness"}));
-}
-
-TEST(WriteManualTable, has_a_row_for_each_key) {
-  const std::string manual = write_manual_table(make_device());
-  for (const char* part : {
-           "### The file\n\nA device | with a motor.\n",
-           "| key | unit | default | allowed | meaning |",
-           "| `period` | s | `\"1 ms\"` | above 0 s | Of the loop. |",
-           "### `motor`\n\nThe winding.",
-           "| `resistance` | ohm | required | above 0 ohm | Of the winding. |",
-           "| `torque_constant` | N.m/A | none |  | Torque per ampere. |",
-           "### `damping[]` with `\"kind\": \"rc\"`",
-           "| `sense` |  | `\"total\"` | `total`, `motor` | Where it measures. |",
-           "Exactly one of `resistance`, `fraction` must be given.",
-           "| `order` |  | `1` | whole number at least 1 and below 5 |  |",
-       }) {
-    EXPECT_NE(manual.find(part), std::string::npos) << part << "\nis not in\n" << manual;
-  }
-}
-
-TEST(WriteManualTable, objects_alike_share_a_section) {
-  const Member velocity = member::variant(
-      "velocity", {{"difference", "Backward.", {member::integer("window").by_default(1)}}});
-  const ObjectSpec spec{"",
-                        "",
-                        {member::object("wall", {"", "A wall.", {velocity}}),
-                         member::object("proxy", {"", "A proxy.", {velocity}})}};
-  const std::string manual = write_manual_table(spec);
-  EXPECT_NE(manual.find("### `wall.velocity`, `proxy.velocity` with `\"kind\": \"difference\"`"),
-            std::string::npos)
-      << manual;
-  EXPECT_EQ(manual.find("Backward."), manual.rfind("Backward."));
-}
-
-TEST(WriteManualTable, places_that_differ_in_one_choice_are_written_as_one) {
-  const ObjectSpec fast{"fast", "Quick.", {member::integer("order").required()}};
-  const Member with_fast = member::variant("filter", {fast, {"none", "Nothing.", {}}});
-  const auto law = [&](const char* name) { return ObjectSpec{name, "A law.", {with_fast}}; };
-  const Member root = member::variant(
-      "",
-      {{"rotary",
-        "",
-        {member::variant("law", {law("a"), law("b"), {"c", "", {}}}), member::boolean("only")}},
-       {"linear", "", {member::variant("law", {law("a"), law("b"), {"c", "", {}}})}}},
-      "motion");
-  const std::string manual = write_manual_table(root);
-  EXPECT_NE(manual.find("### `(*).law(a, b).filter` with `\"kind\": \"fast\"`\n\nQuick."),
-            std::string::npos)
-      << manual;
-  EXPECT_EQ(manual.find("Quick."), manual.rfind("Quick."));
-}
-
-TEST(WriteManualTable, only_choice_at_a_place_is_named) {
-  const ObjectSpec noise{"noise", "Noise.", {member::integer("seed")}};
-  const ObjectSpec fast{"fast", "Quick.", {member::object("noise", noise)}};
-  const ObjectSpec spec{"", "", {member::variant("filter", {fast})}};
-  const std::string manual = write_manual_table(spec);
-  EXPECT_NE(manual.find("### `filter(fast).noise`\n"), std::string::npos) << manual;
-}
-
-TEST(WriteManualTable, object_that_lacks_a_key_shares_the_section_and_is_told) {
-  const Member one = member::integer("one");
-  const Member two = member::integer("two");
-  const Member extra = member::integer("extra");
-  const auto law = [](std::vector<Member> members) {
-    return std::vector<ObjectSpec>{{"wall", "A wall.", std::move(members)}};
-  };
-  const auto manual_of = [&](std::vector<Member> inner) {
-    return write_manual_table(ObjectSpec{"",
-                                         "",
-                                         {member::variant("law", law({one, extra, two})),
-                                          member::variant("inner", law(std::move(inner)))}});
-  };
-  const std::string shared = manual_of({one, two});
-  EXPECT_NE(shared.find("### `law`, `inner` with `\"kind\": \"wall\"`\n"), std::string::npos)
-      << shared;
-  EXPECT_NE(shared.find("\nIn `inner` without `extra`.\n"), std::string::npos) << shared;
-  // In another order, with another row, or with little in common: a table of its own.
-  for (const auto& inner : std::vector<std::vector<Member>>{
-           {two, one}, {one, member::integer("two").required()}, {one, two, extra, one}, {one}}) {
-    EXPECT_NE(manual_of(inner).find("### `inner` with"), std::string::npos) << manual_of(inner);
-  }
-}
-
-TEST(WriteManualTable, bar_inside_a_cell_is_escaped) {
-  const ObjectSpec spec{"", "", {member::boolean("a").doc("x | y")}};
-  EXPECT_NE(write_manual_table(spec).find("x \\| y"), std::string::npos);
-}
-
-// A document whose motor may have tolerances, but for its inductance.
-Member make_toleranced_root() {
-  ObjectSpec device = make_device();
-  device.members[1].objects.front() =
-      allow_tolerances(device.members[1].objects.front(), {"inductance"});
-  return member::object("", device);
-}
-
-TEST(ReadTolerances, normal_form_has_the_nominal_value_and_the_rest_is_handed_out) {
-  const json document = {
-      {"motor", {{"resistance", "2 ohm ± 5 %"}, {"torque_constant", "40 mN.m/A to 60 mN.m/A"}}}};
-  const ReadDocument read = read_document_with_tolerances(document, make_toleranced_root(), "d");
-  EXPECT_EQ(read.normal["motor"]["resistance"], 2.0);
-  EXPECT_EQ(read.normal["motor"]["torque_constant"], 0.05);
-  ASSERT_EQ(read.tolerances.size(), 2U);
-  EXPECT_EQ(read.tolerances[0].pointer, "/motor/resistance");
-  EXPECT_EQ(read.tolerances[0].unit, dimension::resistance);
-  EXPECT_EQ(read.tolerances[0].value, (TolerancedValue{2, 1.9, 2.1}));
-  EXPECT_EQ(read.tolerances[0].text, "2 ohm ± 5 %");
-  EXPECT_EQ(read.tolerances[1].pointer, "/motor/torque_constant");
-}
-
-TEST(ReadTolerances, one_of_no_width_is_none) {
-  const json document = {{"motor", {{"resistance", "2 ohm ± 0 %"}}}};
-  EXPECT_TRUE(
-      read_document_with_tolerances(document, make_toleranced_root(), "d").tolerances.empty());
-}
-
-std::string find_tolerance_refusal(const json& motor) {
-  try {
-    read_document_with_tolerances({{"motor", motor}}, make_toleranced_root(), "d");
-  } catch (const Error& error) {
-    return error.place() + ": " + error.message();
-  }
-  return "no error";
-}
-
-TEST(ReadTolerances, both_ends_must_be_allowed_and_the_message_says_which_is_not) {
-  EXPECT_EQ(find_tolerance_refusal({{"resistance", "2 ohm ± 120 %"}}),
-            "d: /motor/resistance: \"2 ohm ± 120 %\" is at its low end -0.3999999999999999 ohm: "
-            "must be above 0 ohm, for a winding loses energy");
-  const json device = {{"motor", {{"resistance", 2}}},
-                       {"damping", {{{"kind", "cancellation"}, {"fraction", "0.9 +20 % -0 %"}}}}};
-  Member root = make_toleranced_root();
-  root.objects.front().members[2].objects[2].members[1].takes_tolerance = true;
-  try {
-    read_document_with_tolerances(device, root, "d");
-    ADD_FAILURE() << "1.08 is above 1";
-  } catch (const Error& error) {
-    EXPECT_NE(error.message().find("at its high end 1.08"), std::string::npos) << error.message();
-  }
-}
-
-TEST(ReadTolerances, where_none_is_possible_the_message_says_so) {
-  const char* expected = "no tolerance is possible here: write one value, such as \"0.5 mH\"";
-  EXPECT_NE(
-      find_tolerance_refusal({{"resistance", 2}, {"inductance", "1 mH ± 5 %"}}).find(expected),
-      std::string::npos);
-  EXPECT_NE(find_refusal(with("/period", "1 ms ± 1 %")).message.find("no tolerance is possible"),
-            std::string::npos);
-}
-
-TEST(ReadTolerances, schema_and_manual_say_where_one_is_possible) {
-  const std::string schema = write_json_schema(make_toleranced_root(), "x");
-  EXPECT_NE(schema.find(R"(With a tolerance: \"1.5 ohm ± 5 %\".)"), std::string::npos);
-  EXPECT_EQ(schema.find("0.5 mH ± 5 %"), std::string::npos);
-  const std::string manual = write_manual_table(make_toleranced_root());
-  EXPECT_NE(manual.find("| `resistance` | ohm ± | required |"), std::string::npos) << manual;
-  EXPECT_NE(manual.find("| `inductance` | H | "), std::string::npos);
 }
 
 }  // namespace
