@@ -14,10 +14,15 @@ MAY_INCLUDE = {
     "two_port": {"core", "circuits", "controllers", "mechanics", "cosim", "passivity"},
     "robustness": {"core", "circuits", "controllers", "mechanics", "cosim", "passivity"},
     "documents": {"core"},
+    "modbus": {"core"},
+    "amplifiers": {"core", "documents", "modbus"},
+    "twin": {"core", "circuits", "mechanics", "cosim", "documents", "modbus", "amplifiers"},
+    "identification": {"core", "circuits", "mechanics", "amplifiers"},
+    "tuning": {"core", "circuits", "controllers", "mechanics", "cosim", "passivity", "amplifiers", "identification"},
     "plots": {"core", "documents"},
-    "studies": {"core", "circuits", "controllers", "mechanics", "verification", "cosim", "lanes", "passivity", "two_port", "robustness", "documents", "plots"},
+    "studies": {"core", "circuits", "controllers", "mechanics", "verification", "cosim", "lanes", "passivity", "two_port", "robustness", "documents", "amplifiers", "twin", "identification", "tuning", "plots"},
     "sweeps": {"core", "nodes", "circuits", "controllers", "mechanics", "cosim", "passivity", "documents", "plots", "studies"},
-    "app": {"core", "nodes", "documents", "plots", "studies", "sweeps"},
+    "app": {"core", "nodes", "documents", "modbus", "amplifiers", "twin", "identification", "tuning", "plots", "studies", "sweeps"},
 }
 root = pathlib.Path(__file__).resolve().parent.parent / "src" / "gyrator"
 wrong = []
