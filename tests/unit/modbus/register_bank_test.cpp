@@ -119,7 +119,9 @@ Bytes draw_request(std::mt19937& random) {
     request.push_back(static_cast<std::uint8_t>(bytes));
     for (unsigned i = 0; i < bytes; ++i) request.push_back(static_cast<std::uint8_t>(draw(256)));
   }
-  if (draw(4) == 0) request[draw(static_cast<unsigned>(request.size()))] ^= 1U << draw(8);
+  if (draw(4) == 0)
+    request[draw(static_cast<unsigned>(request.size()))] ^=
+        static_cast<std::uint8_t>(1U << draw(8));
   if (draw(8) == 0) request.resize(draw(static_cast<unsigned>(request.size()) + 1));
   return request;
 }

@@ -96,10 +96,8 @@ TEST(RegisterValue, BytesStandAsTheOrderIsCalled) {
   EXPECT_EQ(encode_pattern(0x0A0B, 1, WordOrder::dcba), (Words{0x0B0A}));
 }
 
-TEST(RegisterValue, FloatsStandAsLibmodbusPutsThem) {
-  const std::array<void (*)(float, std::uint16_t*), 4> setters{
-      ::modbus_set_float_abcd, ::modbus_set_float_badc, ::modbus_set_float_cdab,
-      ::modbus_set_float_dcba};
+// Its setters of 3.1.6 put the bytes otherwise than its getters take them, so only these compare.
+TEST(RegisterValue, FloatsStandWhereLibmodbusReadsThem) {
   const std::array<float (*)(const std::uint16_t*), 4> getters{
       ::modbus_get_float_abcd, ::modbus_get_float_badc, ::modbus_get_float_cdab,
       ::modbus_get_float_dcba};
@@ -107,10 +105,8 @@ TEST(RegisterValue, FloatsStandAsLibmodbusPutsThem) {
   for (int i = 0; i < 1000; ++i) {
     const auto number = static_cast<float>(random.normal() * std::pow(10, 30 * random.uniform()));
     for (std::size_t order = 0; order < all_orders.size(); ++order) {
-      Words theirs(2);
-      setters.at(order)(number, theirs.data());
-      EXPECT_EQ(encode_value(double{number}, RegisterType::f32, all_orders.at(order)), theirs);
-      EXPECT_EQ(getters.at(order)(theirs.data()), number);
+      const Words words = encode_value(double{number}, RegisterType::f32, all_orders.at(order));
+      ASSERT_EQ(getters.at(order)(words.data()), number) << name_of(all_orders.at(order));
     }
   }
 }
