@@ -19,4 +19,5 @@ configure_package_config_file(cmake/gyratorConfig.cmake.in ${PROJECT_BINARY_DIR}
   INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/gyratorConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/gyratorConfig.cmake ${PROJECT_BINARY_DIR}/gyratorConfigVersion.cmake
-  cmake/GyratorDependencies.cmake cmake/FindSerialHdf5.cmake DESTINATION ${package_dir})
+  cmake/GyratorDependencies.cmake cmake/FindSerialHdf5.cmake cmake/FindLibmodbus.cmake
+  DESTINATION ${package_dir})
