@@ -47,6 +47,7 @@ int run(int argc, char** argv) {
   gyrator::app::add_report_command(app, exit_code);
   gyrator::app::add_schematic_command(app, exit_code);
   gyrator::app::add_schema_command(app, exit_code);
+  gyrator::app::add_twin_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
