@@ -11,5 +11,6 @@ find_package(TBB 2021 REQUIRED)
 find_package(OpenSSL 3.0 REQUIRED COMPONENTS Crypto)
 list(APPEND CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR})
 find_package(SerialHdf5 REQUIRED)
+find_package(Libmodbus REQUIRED)
 # Without it `study run` works on one machine only.
 find_package(MPI COMPONENTS CXX)

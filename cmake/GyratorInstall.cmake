@@ -10,8 +10,9 @@ install(TARGETS ${gyrator_targets} gyrator
 install(DIRECTORY src/gyrator DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.hpp" PATTERN "app" EXCLUDE)
 install(FILES ${PROJECT_BINARY_DIR}/generated/gyrator/version.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gyrator)
-install(FILES schemas/model.schema.json schemas/study.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/gyrator)
+install(FILES schemas/model.schema.json schemas/study.schema.json schemas/amplifier.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/gyrator)
 install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/gyrator FILES_MATCHING PATTERN "*.json" PATTERN "*.csv")
+install(DIRECTORY profiles DESTINATION ${CMAKE_INSTALL_DATADIR}/gyrator FILES_MATCHING PATTERN "*.json")
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/gyrator)
 install(EXPORT gyratorTargets NAMESPACE gyrator:: DESTINATION ${package_dir})
@@ -19,4 +20,5 @@ configure_package_config_file(cmake/gyratorConfig.cmake.in ${PROJECT_BINARY_DIR}
   INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/gyratorConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/gyratorConfig.cmake ${PROJECT_BINARY_DIR}/gyratorConfigVersion.cmake
-  cmake/GyratorDependencies.cmake cmake/FindSerialHdf5.cmake DESTINATION ${package_dir})
+  cmake/GyratorDependencies.cmake cmake/FindSerialHdf5.cmake cmake/FindLibmodbus.cmake
+  DESTINATION ${package_dir})

@@ -54,6 +54,34 @@ inline BenchMotor make_hidden_motor(std::uint64_t seed, int device) {
   return motor;
 }
 
+/// The same motor and amplifier as a twin.
+inline TwinDevice make_hidden_twin(const BenchMotor& motor) {
+  TwinDevice twin;
+  CurrentAmplifier amplifier;
+  amplifier.bandwidth_hz = motor.bandwidth_hz;
+  amplifier.current_limit = motor.current_limit;
+  amplifier.voltage_limit = motor.voltage_limit;
+  Motor inside;
+  inside.torque_constant = motor.torque_constant;
+  inside.resistance = motor.resistance;
+  inside.inductance = motor.inductance;
+  twin.device.drive.amplifier = amplifier;
+  twin.device.drive.motor = inside;
+  twin.device.mechanics.inertia = motor.inertia;
+  twin.device.mechanics.damping = motor.damping;
+  twin.device.mechanics.coulomb_friction = motor.coulomb_friction;
+  twin.delay = motor.delay;
+  twin.noise = {0, motor.current_noise, motor.voltage_noise, motor.velocity_noise, 0};
+  twin.position_quantum = motor.position_quantum;
+  twin.current_step = motor.current_quantum;
+  twin.voltage_step = motor.voltage_quantum;
+  twin.thermal = {motor.thermal_resistance, motor.thermal_capacity};
+  twin.winding_rise = motor.temperature - twin.ambient;
+  if (motor.velocity_limit > 0) twin.velocity_limit = motor.velocity_limit;
+  twin.seed = motor.seed;
+  return twin;
+}
+
 inline std::map<std::string, double> find_truth(const BenchMotor& motor) {
   return {{"resistance", motor.resistance},
           {"inductance", motor.inductance},
@@ -69,6 +97,8 @@ struct ParameterScore {
   int cases = 0, covered = 0, identifiable = 0;
   std::vector<double> errors, widths, pulls;  // relative; error per deviation-like half width
 };
+
+enum class StudyBench { own, twin };
 
 struct IdentificationStudy {
   std::map<std::string, ParameterScore> scores;
@@ -100,27 +130,37 @@ inline void score(IdentificationStudy& study, const std::map<std::string, double
   }
 }
 
-inline IdentificationStudy run_identification_study(int devices, std::uint64_t seed,
-                                                    bool verbose = false) {
+inline void print_case(int device, const BenchMotor& motor, const Identification& found) {
+  fmt::print("{:3} {:5.1f} s", device, found.duration);
+  for (const auto& [name, value] : find_truth(motor)) {
+    const IdentifiedParameter& p = found.find(name);
+    const double half = (p.high.value_or(INFINITY) - p.low.value_or(-INFINITY)) / 2;
+    fmt::print("  {:.4s} {:+.2f}%{}/{:.2f}%", name, 100 * (*p.value / value - 1),
+               std::abs(*p.value - value) > half ? "!" : "", 100 * half / value);
+  }
+  fmt::print("\n");
+}
+
+/// Identifies `devices` hidden motors, each by itself.
+inline IdentificationStudy run_identification_study(StudyBench kind, int devices,
+                                                    std::uint64_t seed, bool verbose = false) {
   IdentificationStudy study;
   for (int device = 0; device < devices; ++device) {
     const BenchMotor motor = make_hidden_motor(seed, device);
-    MotorBench bench(motor);
-    const Identification found = identify(bench);
-    score(study, find_truth(motor), found);
-    study.longest = std::max(study.longest, bench.seconds);
-    study.worst_current = std::max(study.worst_current, bench.peak_current / motor.current_limit);
-    study.worst_voltage = std::max(study.worst_voltage, bench.peak_voltage / motor.voltage_limit);
-    if (!verbose) continue;
-    fmt::print("{:3} {:5.1f} s {:5.1f} K {:6.1f} rad/s", device, bench.seconds, bench.temperature(),
-               bench.peak_velocity);
-    for (const auto& [name, value] : find_truth(motor)) {
-      const IdentifiedParameter& p = found.find(name);
-      const double half = (p.high.value_or(INFINITY) - p.low.value_or(-INFINITY)) / 2;
-      fmt::print("  {:.4s} {:+.2f}%{}/{:.2f}%", name, 100 * (*p.value / value - 1),
-                 std::abs(*p.value - value) > half ? "!" : "", 100 * half / value);
+    Identification found;
+    if (kind == StudyBench::own) {
+      MotorBench bench(motor);
+      found = identify(bench);
+      study.worst_current = std::max(study.worst_current, bench.peak_current / motor.current_limit);
+      study.worst_voltage = std::max(study.worst_voltage, bench.peak_voltage / motor.voltage_limit);
+    } else {
+      SimulatedAmplifier amplifier(make_hidden_twin(motor));
+      TwinBench bench(amplifier);
+      found = identify(bench);
     }
-    fmt::print("\n");
+    score(study, find_truth(motor), found);
+    study.longest = std::max(study.longest, found.duration);
+    if (verbose) print_case(device, motor, found);
   }
   return study;
 }

@@ -1,0 +1,10 @@
+# libmodbus, which brings no CMake package of its own, as libmodbus.
+find_path(Libmodbus_INCLUDE_DIR modbus/modbus.h)
+find_library(Libmodbus_LIBRARY modbus)
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(Libmodbus REQUIRED_VARS Libmodbus_LIBRARY Libmodbus_INCLUDE_DIR)
+if(Libmodbus_FOUND AND NOT TARGET libmodbus)
+  add_library(libmodbus UNKNOWN IMPORTED)
+  set_target_properties(libmodbus PROPERTIES IMPORTED_LOCATION ${Libmodbus_LIBRARY})
+  target_include_directories(libmodbus SYSTEM INTERFACE ${Libmodbus_INCLUDE_DIR})
+endif()
