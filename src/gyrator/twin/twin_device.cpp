@@ -156,9 +156,17 @@ Device make_plant_device(const TwinDevice& twin, const TwinSettings& settings, d
   auto& damping = device.drive.damping;
   // Names of network elements count the parts: what is always there comes first.
   std::erase_if(damping, is_setting);
-  const bool has_branch = settings.damping_connected && settings.damping_capacitance > 0;
-  if (has_branch)
-    damping.emplace_back(RcDamping{settings.damping_resistance, settings.damping_capacitance});
+  if (settings.damping_connected) {
+    const double R_1 = settings.damping_resistance;
+    if (settings.damping_capacitance > 0) {
+      damping.emplace_back(RcDamping{R_1, settings.damping_capacitance});
+    } else if (R_1 > 0) {
+      damping.emplace_back(ResistorDamping{R_1});
+    } else {
+      refuse("damping_connected",
+             "with damping_resistance and damping_capacitance of 0: would short the motor");
+    }
+  }
 
   const bool by_voltage = settings.enable && settings.drive_mode == DriveMode::voltage;
   const double bandwidth = bandwidth_of(twin.device.drive.amplifier);

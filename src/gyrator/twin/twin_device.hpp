@@ -52,8 +52,8 @@ struct TwinSettings {
   double temperature_limit = 393.15;   ///< [K]
   double velocity_limit = 0;           ///< [rad/s, m/s]
   double cancellation_resistance = 0;  ///< [ohm]
-  double damping_resistance = 0;       ///< R_1 [ohm]
-  double damping_capacitance = 0;      ///< C [F]
+  double damping_resistance = 10;      ///< R_1 [ohm]
+  double damping_capacitance = 0;      ///< C [F]; 0: the resistor alone
   bool damping_connected = false;
   double back_emf_damping = 0;     ///< d [N.m.s/rad, N.s/m]
   double back_emf_resistance = 0;  ///< the estimate of the winding [ohm]
