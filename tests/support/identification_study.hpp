@@ -2,6 +2,7 @@
 
 #include "gyrator/core/random_stream.hpp"
 #include "gyrator/identification/identification.hpp"
+#include "gyrator/twin/twin_bench.hpp"
 
 #include <algorithm>
 #include <cmath>
