@@ -70,7 +70,7 @@ class Tuner {
     run_.model = identified;
     check();
     frequencies_ =
-        choose_frequencies(limits_, options.lowest_hz, options.highest_hz, options.frequencies);
+        spread_frequencies(limits_, options.lowest_hz, options.highest_hz, options.frequencies);
   }
 
   TuningRun run() {
@@ -210,7 +210,7 @@ class Tuner {
     for (std::size_t i = 0; i < tones.size() && i < 3; ++i) {
       const Tone& tone = tones[i];
       const double error =
-          std::hypot(tone.voltage.error, motor.torque_constant * tone.velocity.error) /
+          std::hypot(tone.voltage.deviation, motor.torque_constant * tone.velocity.deviation) /
               std::abs(tone.current.value) +
           1e-6;
       const std::complex<double> winding =
