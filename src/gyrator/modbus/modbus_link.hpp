@@ -38,6 +38,8 @@ struct LinkStatistics {
   double seconds = 0;  ///< spent on requests, waits for gaps and back-off included
 };
 
+class LinkConnection;
+
 /// A connection to one Modbus device over TCP or a serial line (RTU); one request at a time.
 ///
 /// A read that fails is tried again `read_retries` times after growing waits, over a new connection
@@ -81,8 +83,7 @@ class ModbusLink {
   LinkStatistics statistics() const;
 
  private:
-  class Connection;
-  std::unique_ptr<Connection> connection_;
+  std::unique_ptr<LinkConnection> connection_;
 };
 
 }  // namespace gyrator
