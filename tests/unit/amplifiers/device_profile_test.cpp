@@ -147,8 +147,8 @@ TEST(DeviceProfile, CodesAreNumbersThatTheTypeHolds) {
                {"/codes/current", "code of voltage"});
   expect_words(refusal([](json& d) { register_of(d, "capture_state")["codes"].erase("done"); }),
                {"/capture/state", "\"done\""});
-  expect_words(refusal([](json& d) { register_of(d, "excitation_kind")["codes"]["sinus"] = 7; }),
-               {"/excitation/kind", "sinus", "did you mean 'sine'?"});
+  expect_words(refusal([](json& d) { register_of(d, "excitation_kind")["codes"]["sinne"] = 7; }),
+               {"/excitation/kind", "sinne", "did you mean 'sine'?"});
 }
 
 TEST(DeviceProfile, WhatIsReferredToExistsAndCanBeUsedSo) {
