@@ -60,6 +60,25 @@ std::string describe_side(const SettingChange& change, const std::optional<Setti
   return describe_value(*change.place, *side->value);
 }
 
+using Row = std::vector<std::string>;
+
+// Names and addresses to the left, values to the right.
+std::string align_rows(const std::vector<Row>& rows) {
+  std::vector<std::size_t> widths(rows.front().size());
+  for (const Row& row : rows)
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  std::string text;
+  for (const Row& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      text += i == 0 ? "" : "  ";
+      text += i < 2 ? fmt::format("{:<{}}", row[i], widths[i])
+                    : fmt::format("{:>{}}", row[i], widths[i]);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
 }  // namespace
 
 const SettingValue* SettingsBackup::find(std::string_view name) const {
@@ -169,22 +188,20 @@ json describe_change(const SettingChange& change) {
 }
 
 std::string describe_changes(const std::vector<SettingChange>& changes) {
-  using Row = std::array<std::string, 4>;
   std::vector<Row> rows{{"register", "address", "old", "new"}};
   for (const SettingChange& change : changes) {
     rows.push_back({change.place->name, change.place->describe_place(),
                     describe_side(change, change.before), describe_side(change, change.after)});
   }
-  std::array<std::size_t, 4> widths{};
-  for (const Row& row : rows)
-    for (std::size_t i = 0; i < row.size(); ++i)
-      widths.at(i) = std::max(widths.at(i), row.at(i).size());
-  std::string text;
-  for (const Row& row : rows) {
-    text += fmt::format("{:<{}}  {:<{}}  {:>{}}  {:>{}}\n", row[0], widths[0], row[1], widths[1],
-                        row[2], widths[2], row[3], widths[3]);
-  }
-  return text;
+  return align_rows(rows);
+}
+
+std::string describe_contents(const std::vector<SettingChange>& contents) {
+  std::vector<Row> rows{{"register", "address", "value"}};
+  for (const SettingChange& each : contents)
+    rows.push_back(
+        {each.place->name, each.place->describe_place(), describe_side(each, each.after)});
+  return align_rows(rows);
 }
 
 std::string describe_device(const LinkAddress& address, int unit) {

@@ -64,6 +64,8 @@ SettingsBackup load_backup(const std::string& path, const DeviceProfile& profile
 nlohmann::json describe_change(const SettingChange& change);
 /// A table for people: register, address, old, new in the profile's units.
 std::string describe_changes(const std::vector<SettingChange>& changes);
+/// The same without the old values.
+std::string describe_contents(const std::vector<SettingChange>& contents);
 
 /// "tcp://127.0.0.1:1502 unit 1": the same for the same device, where that can be known; a serial
 /// line without its settings.

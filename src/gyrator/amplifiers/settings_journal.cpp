@@ -128,15 +128,19 @@ std::filesystem::path choose_journal_path(const std::string& device) {
   return path;
 }
 
-SettingsJournalContent read_settings_journal(const std::string& path,
-                                             const DeviceProfile& profile) {
+SettingsJournalContent read_settings_journal(const std::string& path) {
   const std::vector<json> lines = read_lines(path);
+  const json& header = lines.front();
   SettingsJournalContent content;
-  content.header = lines.front();
-  if (!content.header.contains("backup"))
-    throw Error(ErrorCode::bad_input, path, "its first line has no backup");
-  content.backup = parse_backup(content.header["backup"], profile, path + ": /backup");
-  content.device = content.backup.device;
+  try {
+    content.connect = header.at("connect");
+    content.unit = header.at("unit");
+    content.command = header.at("command");
+    content.profile = parse_device_profile(header.at("profile_document"), path + ": profile");
+    content.backup = parse_backup(header.at("backup"), content.profile, path + ": backup");
+  } catch (const json::exception&) {
+    throw Error(ErrorCode::bad_input, path, "its first line is not whole");
+  }
   for (const json& line : lines) {
     if (line.contains("write")) content.written.push_back(line["write"]);
     if (line.contains("state")) content.state = line["state"].get<std::string>();

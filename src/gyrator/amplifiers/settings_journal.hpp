@@ -63,14 +63,17 @@ std::filesystem::path choose_journal_path(const std::string& device);
 
 /// A journal as it stands; a last line that is torn is passed over.
 struct SettingsJournalContent {
-  nlohmann::json header;
-  std::string device;
+  DeviceProfile profile;
+  std::string connect;  ///< "tcp://127.0.0.1:1502"
+  int unit = 1;
+  std::string command;  ///< whose journal it is
   SettingsBackup backup;
   std::vector<std::string> written;  ///< names, in order
   std::optional<std::string> state;  ///< none: the session did not end
 };
-/// Throws bad_input for a file that is none, and where its backup does not fit the profile.
-SettingsJournalContent read_settings_journal(const std::string& path, const DeviceProfile& profile);
+/// By the profile that stands in it. Throws bad_input for a file that is none, or whose profile or
+/// backup is not as it must be.
+SettingsJournalContent read_settings_journal(const std::string& path);
 
 /// Appends that everything was put back. Throws bad_input where that cannot be written.
 void close_settings_journal(const std::string& path);
