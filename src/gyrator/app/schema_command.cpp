@@ -1,3 +1,4 @@
+#include "gyrator/amplifiers/device_profile.hpp"
 #include "gyrator/documents/document_manual.hpp"
 #include "gyrator/documents/document_schema.hpp"
 #include "gyrator/studies/model_format.hpp"
@@ -14,15 +15,21 @@ namespace gyrator::app {
 void add_schema_command(CLI::App& app, int&) {
   auto manual = std::make_shared<bool>(false);
   auto study = std::make_shared<bool>(false);
+  auto amplifier = std::make_shared<bool>(false);
   CLI::App* command =
       app.add_subcommand("schema", "The model file's JSON Schema, for completion in editors");
-  command->add_flag("--study", *study, "Of the study file (`gyrator study run`) instead");
+  auto* of_study =
+      command->add_flag("--study", *study, "Of the study file (`gyrator study run`) instead");
+  command->add_flag("--amplifier", *amplifier, "Of the amplifier's profile instead")
+      ->excludes(of_study);
   command->add_flag("--manual", *manual, "The same as tables in Markdown");
   command->footer("Example:\n  gyrator schema > model.schema.json");
-  command->callback([manual, study] {
-    const Member& format = *study ? study_format() : model_format();
-    const std::string id =
-        fmt::format("https://gyrator.example/{}.schema.json", *study ? "study" : "model");
+  command->callback([manual, study, amplifier] {
+    const Member& format = *study       ? study_format()
+                           : *amplifier ? amplifier_format()
+                                        : model_format();
+    const char* name = *study ? "study" : *amplifier ? "amplifier" : "model";
+    const std::string id = fmt::format("https://gyrator.example/{}.schema.json", name);
     fmt::print("{}", *manual ? write_manual_table(format) : write_json_schema(format, id));
   });
 }
