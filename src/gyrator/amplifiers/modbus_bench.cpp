@@ -262,6 +262,10 @@ void ModbusBench::switch_off() {
 
 Capture ModbusBench::run(const Excitation& excitation, const CaptureRequest& request) {
   check_request(excitation, request);
+  if (!port_.options().apply) {
+    throw Error(ErrorCode::device, describe(excitation),
+                "refused: an excitation moves the motor, which needs --apply");
+  }
   check_faults("before the excitation");
   Capture capture;
   capture.start = request.start;
