@@ -116,7 +116,8 @@ class AmplifierPort {
   RawValue check_value(const DeviceRegister& place, double value) const;
   void check_access(const DeviceRegister& place) const;
   void write_raw(const DeviceRegister& place, const RawValue& raw);
-  void send_until_known(const DeviceRegister& place, const Words& before, const Words& after);
+  void send_until_known(const DeviceRegister& place, const Words& before, const Words& after,
+                        bool can_look);
   void verify(const DeviceRegister& place, const Words& wanted);
   void reconnect_patiently(std::chrono::steady_clock::time_point until);
   void make_safe_step(const DeviceRegister& place, double value, bool can_verify,
