@@ -225,9 +225,12 @@ class DeviceFailureTest(AmplifierTest):
             self.assert_refused(self.run_program("backup", "--connect", free, "--profile", "integer_drive"), free,
                                 code=4)
             silent.listen()
-            threading.Thread(target=lambda: silent.accept(), daemon=True).start()
+            taken = []
+            threading.Thread(target=lambda: taken.append(silent.accept()[0]), daemon=True).start()
             self.assert_refused(self.run_program("backup", "--connect", free, "--profile", "integer_drive",
                                                  "--timeout", "0.1s"), free, code=4)
+            for connection in taken:
+                connection.close()
 
     def test_two_writers_do_not_fight(self):
         peer = self.peer()

@@ -443,8 +443,6 @@ class Amplifier(IModbusSlaveContext):
             self.put(profile["capture"]["state"], self.state_names.get("armed", self.state_names[self.idle]))
         if name == profile["capture"].get("page", {}).get("register"):
             self.show_page(round(self.get(name)))
-        if not self.registers[name].readable:
-            self.put(name, 0)
 
 
 def read_arguments():

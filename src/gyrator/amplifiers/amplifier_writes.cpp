@@ -117,7 +117,7 @@ void AmplifierPort::reconnect_patiently(steady_clock::time_point until) {
 
 // After this the write has arrived, or an error tells that it has not or that nobody knows.
 void AmplifierPort::send_until_known(const DeviceRegister& place, const Words& before,
-                                     const Words& after, bool can_look) {
+                                     const Words& after, bool can_look, bool repeatable) {
   const auto until =
       steady_clock::now() + std::chrono::duration_cast<steady_clock::duration>(
                                 std::chrono::duration<double>(options_.safe_patience));
@@ -131,7 +131,7 @@ void AmplifierPort::send_until_known(const DeviceRegister& place, const Words& b
       const bool is_refused = error.fault() == LinkFault::exception && !is_busy;
       if (is_refused || sent >= most_sends) throw;
       const bool never_left = error.fault() == LinkFault::refused || is_busy;
-      if (!never_left && !can_look) {
+      if (!never_left && !can_look && !repeatable) {
         throw LinkError(error.fault(), error.place(),
                         error.message() + ": whether the write of " + place.name +
                             " has arrived is unknown, and reading does not tell",
@@ -139,7 +139,7 @@ void AmplifierPort::send_until_known(const DeviceRegister& place, const Words& b
       }
       if (error.fault() != LinkFault::exception) reconnect_patiently(until);
       if (is_busy) sleep_for(profile_.link.backoff);
-      if (never_left) continue;
+      if (never_left || !can_look) continue;
       // Until the register tells, nobody knows whether it has arrived.
       sleep_for(place.settle);
       const Words now = read_from_device(place);
@@ -167,7 +167,7 @@ void AmplifierPort::verify(const DeviceRegister& place, const Words& wanted) {
                           describe_content(place, asked), describe_content(place, found)));
 }
 
-void AmplifierPort::perform(const DeviceAction& action) {
+void AmplifierPort::perform(const DeviceAction& action, bool repeatable) {
   const DeviceRegister& place = profile_.at(action.register_name);
   check_access(place);
   Words base(static_cast<std::size_t>(place.words()));
@@ -175,7 +175,7 @@ void AmplifierPort::perform(const DeviceAction& action) {
   const Words after = put_raw(place, check_value(place, action.value), base);
   if (!options_.apply) return;
   if (journal_ != nullptr) journal_->intend(place, {}, after);
-  send_until_known(place, {}, after, false);
+  send_until_known(place, {}, after, false, repeatable);
   ++statistics_.written;
   if (journal_ != nullptr) journal_->note({{"done", place.name}});
 }
