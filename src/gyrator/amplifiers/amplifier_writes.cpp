@@ -58,11 +58,11 @@ void AmplifierPort::write(std::string_view name, double value) {
   write_raw(place, check_value(place, value));
 }
 
-void AmplifierPort::write_content(const SettingValue& content) {
+void AmplifierPort::write_content(const SettingValue& content, bool was_there) {
   const DeviceRegister& place = profile_.at(content.name);
   check_access(place);
   // What the device had may lie off the step, but never beyond the limits.
-  if (content.value) {
+  if (content.value && !was_there) {
     DeviceRegister without_step = place;
     without_step.step.reset();
     check_value(without_step, *content.value);
