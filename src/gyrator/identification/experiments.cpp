@@ -1,0 +1,366 @@
+#include "gyrator/identification/experiments.hpp"
+
+#include "gyrator/core/error.hpp"
+#include "gyrator/core/interrupt.hpp"
+#include "gyrator/identification/sine_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+namespace gyrator {
+namespace {
+
+constexpr double first_share = 0.02;   // of the current limit, with which it begins
+constexpr double growth = 4;           // of amplitude or speed from one experiment to the next
+constexpr double wanted_ratio = 1000;  // of a sine to its standard deviation
+constexpr double settle_time = 0.05;   // before a sine is captured [s]
+constexpr double sine_time = 0.2;      // of its capture [s]
+constexpr int least_sine_samples = 400;
+constexpr int frequency_count = 10;
+constexpr double lowest_frequency = 40, probe_frequency = 100, slowest_frequency = 0.5;
+constexpr double fastest_motion = 40;  // [Hz]; above it a window has too few samples
+constexpr double pause = 0.1;          // between motions [s]
+constexpr int segments = 4;            // groups of windows in a run
+constexpr double visible_ratio = 10;
+constexpr double longest_window = 0.05;
+
+double to_radians(double frequency_hz) {
+  return 2 * std::numbers::pi * frequency_hz;
+}
+
+int count_sine_samples(const BenchLimits& limits) {
+  const int wanted = static_cast<int>(std::lround(sine_time / limits.shortest_period));
+  return std::min(std::max(wanted, least_sine_samples), limits.most_samples);
+}
+
+// Whole periods in the capture, coprime to its samples.
+double snap_frequency(double frequency_hz, int samples, double period) {
+  int periods = std::max(1, static_cast<int>(std::lround(frequency_hz * samples * period)));
+  while (std::gcd(periods, samples) > 1) ++periods;
+  return periods / (samples * period);
+}
+
+std::optional<Phasor> fit_signal(const Capture& capture, const std::vector<double>& signal,
+                                 double frequency_hz, double noise_floor) {
+  if (signal.empty()) return std::nullopt;
+  SineModel model{3, 3};
+  while (model.harmonics > 1 && model.harmonics * frequency_hz * capture.period > 0.45)
+    --model.harmonics;
+  const SineFit fit = fit_sine(signal, capture.start, capture.period, frequency_hz, model);
+  return Phasor{fit.coefficient, std::max(fit.deviation, noise_floor)};
+}
+
+double mean_temperature(const Capture& capture, double otherwise) {
+  if (!capture.winding_temperature_before) return otherwise;
+  const double before = *capture.winding_temperature_before;
+  return (before + capture.winding_temperature_after.value_or(before)) / 2;
+}
+
+// By what the sensors see, the sensor first.
+double find_speed(const SineMeasurement& sine, double quantum) {
+  const double w = to_radians(sine.frequency_hz);
+  if (sine.position && std::abs(sine.position->value) > 3 * quantum &&
+      std::abs(sine.position->value) > visible_ratio * sine.position->deviation)
+    return w * std::abs(sine.position->value);
+  if (sine.velocity && std::abs(sine.velocity->value) > visible_ratio * sine.velocity->deviation)
+    return std::abs(sine.velocity->value);
+  return 0;
+}
+
+}  // namespace
+
+std::vector<double> choose_frequencies(const BenchLimits& limits,
+                                       const IdentificationOptions& options) {
+  const double period = limits.shortest_period;
+  const int samples = count_sine_samples(limits);
+  const double highest =
+      std::min({options.highest_frequency_hz, 0.15 / period, limits.highest_frequency_hz});
+  const double lowest = std::max({std::min(lowest_frequency, highest / 10),
+                                  limits.lowest_frequency_hz, 5 / (samples * period)});
+  std::vector<double> frequencies;
+  for (int i = 0; i < frequency_count; ++i) {
+    const double wanted = lowest * std::pow(highest / lowest, i / (frequency_count - 1.0));
+    frequencies.push_back(snap_frequency(wanted, samples, period));
+  }
+  return frequencies;
+}
+
+double find_peak_velocity(double inertia, double damping, double friction, double amplitude,
+                          double frequency_hz, int periods) {
+  constexpr int steps = 400;
+  const double h = 1 / (frequency_hz * steps), w = to_radians(frequency_hz);
+  // Exact in the damping over a step, the current that of its middle.
+  const double decay = std::exp(-h * damping / inertia);
+  const double gain = damping * h > 1e-9 * inertia ? (1 - decay) / damping : h / inertia;
+  double velocity = 0, peak = 0;
+  for (int k = 0; k < steps * periods; ++k) {
+    const double current = amplitude * std::sin(w * (k + 0.5) * h);
+    const double side = velocity != 0 ? velocity : current;
+    if (velocity == 0 && std::abs(current) <= friction) continue;
+    const double next = velocity * decay + gain * (current - std::copysign(friction, side));
+    velocity = velocity * next < 0 ? 0 : next;
+    peak = std::max(peak, std::abs(velocity));
+  }
+  return peak;
+}
+
+Experiments::Experiments(Bench& bench, const IdentificationOptions& options,
+                         const ExperimentListener& listener, Identification& found)
+    : bench_(bench),
+      limits_(bench.limits()),
+      options_(options),
+      listener_(listener),
+      found_(found) {}
+
+Capture Experiments::play(const Experiment& experiment) {
+  throw_if_interrupted("identification");
+  if (listener_) listener_(experiment);
+  found_.experiments.push_back(experiment);
+  found_.duration += experiment.excitation.duration;
+  return bench_.run(experiment.excitation, experiment.capture);
+}
+
+SineMeasurement Experiments::measure_sine(const std::string& purpose, double frequency_hz,
+                                          double amplitude) {
+  Experiment experiment;
+  experiment.purpose = purpose;
+  int samples = count_sine_samples(limits_);
+  double period = limits_.shortest_period;
+  // Slow ones need at least three periods, in as many samples.
+  const double stretch = std::ceil(3 / (frequency_hz * samples * period));
+  if (stretch > 1) period *= stretch;
+  experiment.capture.start =
+      std::ceil(settle_time / limits_.shortest_period) * limits_.shortest_period;
+  experiment.capture.period = period;
+  experiment.capture.samples = samples;
+  const double duration = experiment.capture.start + (samples + 2) * period;
+  experiment.excitation = {
+      ExcitationKind::sine, DriveMode::current, amplitude, 0, frequency_hz, 0, duration};
+  const Capture capture = play(experiment);
+  SineMeasurement sine;
+  sine.frequency_hz = frequency_hz;
+  sine.group = groups_++;
+  sine.command = fit_signal(capture, capture.command, frequency_hz, 0);
+  const auto current = fit_signal(capture, capture.current, frequency_hz, 1e-12);
+  if (!current)
+    throw Error(ErrorCode::bad_input, "bench",
+                "no captured current: nothing can be identified without it");
+  sine.current = *current;
+  sine.voltage = fit_signal(capture, capture.voltage, frequency_hz, 1e-12);
+  sine.velocity = fit_signal(capture, capture.velocity, frequency_hz, 1e-12);
+  sine.position = fit_signal(capture, capture.position, frequency_hz, 1e-15);
+  if (capture.winding_temperature_before) found_.temperature_known = true;
+  sine.temperature = mean_temperature(capture, 298.15);
+  found_.sines.push_back(sine);
+  return sine;
+}
+
+// From the sine nearest in frequency: |Z| changes at most as the frequency or its inverse.
+double Experiments::limit_amplitude(double frequency_hz, double wanted) const {
+  const double highest = options_.current_share * limits_.largest_current;
+  double amplitude = std::min(wanted, highest);
+  const SineMeasurement* nearest = nullptr;
+  double apart = std::numeric_limits<double>::infinity();
+  for (const SineMeasurement& sine : found_.sines) {
+    const double ratio =
+        std::max(sine.frequency_hz / frequency_hz, frequency_hz / sine.frequency_hz);
+    if (ratio <= apart) {
+      apart = ratio;
+      nearest = &sine;
+    }
+  }
+  if (nearest == nullptr) return amplitude;
+  const double played = std::max(std::abs(nearest->current.value), 1e-9);
+  if (nearest->voltage && limits_.largest_voltage > 0) {
+    const double per_ampere = std::abs(nearest->voltage->value) / played * apart;
+    amplitude = std::min(amplitude, options_.voltage_share * limits_.largest_voltage / per_ampere);
+  }
+  if (limits_.largest_velocity > 0) {
+    // A sine from rest swings to twice its own amplitude.
+    const double slower = std::max(1.0, nearest->frequency_hz / frequency_hz);
+    const double per_ampere = 2 * find_speed(*nearest, found_.position_quantum) / played * slower;
+    if (per_ampere > 0)
+      amplitude =
+          std::min(amplitude, options_.velocity_share * limits_.largest_velocity / per_ampere);
+  }
+  return amplitude;
+}
+
+void Experiments::find_amplitude() {
+  const std::vector<double> frequencies = choose_frequencies(limits_, options_);
+  const double frequency =
+      *std::min_element(frequencies.begin(), frequencies.end(), [](double a, double b) {
+        return std::abs(a - probe_frequency) < std::abs(b - probe_frequency);
+      });
+  amplitude_ = first_share * limits_.largest_current;
+  for (;;) {
+    const SineMeasurement sine = measure_sine("amplitude", frequency, amplitude_);
+    const auto stands_out = [](const Phasor& phasor) {
+      return std::abs(phasor.value) > wanted_ratio * phasor.deviation;
+    };
+    const bool enough = stands_out(sine.current) && (!sine.voltage || stands_out(*sine.voltage));
+    const double largest =
+        limit_amplitude(frequency, options_.current_share * limits_.largest_current);
+    if (enough || amplitude_ >= 0.95 * largest) break;
+    amplitude_ = std::min(growth * amplitude_, largest);
+  }
+}
+
+void Experiments::sweep_sines() {
+  std::vector<double> frequencies = choose_frequencies(limits_, options_);
+  // From the probe's frequency each neighbour is known before it is played.
+  for (int turn = 0; turn < 2; ++turn) {
+    for (const double frequency : frequencies)
+      measure_sine("winding and amplifier", frequency, limit_amplitude(frequency, amplitude_));
+    std::reverse(frequencies.begin(), frequencies.end());
+  }
+}
+
+bool Experiments::find_motion() {
+  const auto slowest = std::min_element(
+      found_.sines.begin(), found_.sines.end(),
+      [](const auto& a, const auto& b) { return a.frequency_hz < b.frequency_hz; });
+  SineMeasurement sine = *slowest;
+  double frequency = sine.frequency_hz;
+  double amplitude = amplitude_;
+  for (;;) {
+    const double speed = find_speed(sine, found_.position_quantum);
+    if (speed > 0) {
+      inertia_guess_ = std::abs(sine.current.value) / (to_radians(sine.frequency_hz) * speed);
+      seen_velocity_ = speed;
+      return true;
+    }
+    const double largest = options_.current_share * limits_.largest_current;
+    if (amplitude < 0.95 * largest)
+      amplitude = std::min(growth * amplitude, limit_amplitude(frequency, largest));
+    else
+      frequency /= 2;
+    if (frequency < std::max(slowest_frequency, limits_.lowest_frequency_hz)) return false;
+    sine = measure_sine("motion", frequency, limit_amplitude(frequency, amplitude));
+  }
+}
+
+// A quarter to spare: what grows is not yet known well.
+double Experiments::find_velocity_cap() const {
+  double cap = std::numeric_limits<double>::infinity();
+  if (limits_.largest_velocity > 0) cap = options_.velocity_share * limits_.largest_velocity;
+  if (limits_.largest_voltage > 0 && found_.winding) {
+    const Estimate constant = found_.winding->fit.at(2);
+    const double surely = std::abs(constant.value) + 3 * constant.deviation;
+    cap = std::min(cap, options_.voltage_share * limits_.largest_voltage / surely);
+  }
+  return cap;
+}
+
+void Experiments::refit() {
+  try {
+    found_.motion = fit_motion(found_.windows);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::numerical) throw;
+  }
+  WindingOptions options;
+  options.motion = found_.motion;
+  options.position_quantum = found_.position_quantum;
+  options.temperature_coefficient = options_.temperature_coefficient;
+  if (found_.amplifier) options.lag = found_.amplifier->lag(limits_.shortest_period);
+  found_.winding = fit_winding(found_.sines, found_.windows, options);
+}
+
+void Experiments::measure_motion(const std::string& purpose, double frequency_hz, double amplitude,
+                                 int periods) {
+  Experiment experiment;
+  experiment.purpose = purpose;
+  const double duration = periods / frequency_hz;
+  const double shortest = limits_.shortest_period;
+  experiment.capture.period =
+      shortest * std::max(1.0, std::ceil(duration / (limits_.most_samples * shortest) - 1e-9));
+  experiment.capture.samples =
+      std::min(limits_.most_samples,
+               static_cast<int>(std::floor(duration / experiment.capture.period + 1e-9)));
+  experiment.excitation = {
+      ExcitationKind::sine, DriveMode::current, amplitude, 0, frequency_hz, 0, duration};
+  const Capture capture = play(experiment);
+  WindowOptions options;
+  options.length = std::min(0.1 / frequency_hz, longest_window);
+  options.position_quantum = found_.position_quantum;
+  std::vector<MotionWindow> windows = find_windows(capture, options);
+  double peak = 0;
+  for (const MotionWindow& window : windows) peak = std::max(peak, std::abs(window.velocity));
+  options.least_velocity = 0.03 * peak;
+  windows = find_windows(capture, options);
+  seen_velocity_ = std::max(seen_velocity_, peak);
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    windows[k].run = runs_;
+    windows[k].frequency_hz = frequency_hz;
+    windows[k].group = groups_ + static_cast<int>(k * segments / windows.size());
+    found_.windows.push_back(windows[k]);
+  }
+  groups_ += segments;
+  ++runs_;
+  bench_.wait(pause);
+  found_.duration += pause;
+}
+
+namespace {
+
+// The amplitude that brings the motor to a speed, by bisection; the peak rises with it.
+double find_amplitude_for(double inertia, double damping, double friction, double velocity,
+                          double frequency_hz, int periods, double largest) {
+  double low = 0, high = largest;
+  if (find_peak_velocity(inertia, damping, friction, largest, frequency_hz, periods) < velocity)
+    return largest;
+  for (int round = 0; round < 30; ++round) {
+    const double middle = (low + high) / 2;
+    const bool over =
+        find_peak_velocity(inertia, damping, friction, middle, frequency_hz, periods) > velocity;
+    (over ? high : low) = middle;
+  }
+  return low;
+}
+
+}  // namespace
+
+void Experiments::measure_inertia() {
+  constexpr int periods = 4;
+  const double largest = options_.current_share * limits_.largest_current;
+  refit();
+  double velocity = seen_velocity_;
+  for (int round = 0; round < 8; ++round) {
+    velocity = std::min(growth * velocity, find_velocity_cap());
+    double inertia = inertia_guess_, damping = 0, friction = 0;
+    if (found_.motion && found_.motion->inertia() > 0) {
+      inertia = found_.motion->inertia();
+      damping = std::max(0.0, found_.motion->damping());
+      friction = std::max(0.0, found_.motion->friction());
+    }
+    // At half the current the inertia is what counts; the frequency follows from it.
+    const double frequency = std::clamp(largest / (inertia * to_radians(velocity)), 2.0,
+                                        std::min(fastest_motion, 0.004 / limits_.shortest_period));
+    const double amplitude =
+        find_amplitude_for(inertia, damping, friction, velocity, frequency, periods, largest);
+    measure_motion("inertia", frequency, amplitude, periods);
+    measure_motion("inertia", frequency, -amplitude, periods);
+    refit();
+    if (velocity >= 0.9 * find_velocity_cap() || amplitude >= 0.99 * largest) break;
+  }
+}
+
+void Experiments::measure_friction() {
+  constexpr int periods = 2, repeats = 3;
+  const double largest = options_.current_share * limits_.largest_current;
+  const double frequency = options_.slow_frequency_hz;
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    if (!found_.motion || !(found_.motion->inertia() > 0)) return;
+    const double amplitude = find_amplitude_for(
+        found_.motion->inertia(), std::max(0.0, found_.motion->damping()),
+        std::max(0.0, found_.motion->friction()), find_velocity_cap(), frequency, periods, largest);
+    measure_motion("friction", frequency, amplitude, periods);
+    measure_motion("friction", frequency, -amplitude, periods);
+    refit();
+  }
+}
+
+}  // namespace gyrator
