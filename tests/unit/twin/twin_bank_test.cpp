@@ -168,7 +168,9 @@ std::vector<double> fetch(Client& client, CaptureSignal signal, int samples) {
   std::vector<double> values;
   const int page = capture.page.empty() ? capture.max_samples : capture.page_samples;
   for (int k = 0; k < samples; ++k) {
-    if (k % page == 0 && !capture.page.empty()) EXPECT_FALSE(client.write(capture.page, k / page));
+    if (k % page == 0 && !capture.page.empty()) {
+      EXPECT_FALSE(client.write(capture.page, k / page));
+    }
     const auto words = std::get<0>(client.bank().read_registers(
         place.table, place.address + (k % page) * place.words(), place.words()));
     values.push_back(to_physical(place, take_raw(place, words)).value());
