@@ -114,6 +114,13 @@ bool ModbusBench::has_setting(std::string_view name) const {
   return port_.profile().find(name) != nullptr;
 }
 
+SettingRange ModbusBench::setting_range(std::string_view name) const {
+  const DeviceRegister& place = port_.profile().at(name);
+  const bool is_float = place.type == RegisterType::f32 || place.type == RegisterType::f64;
+  const double resolution = is_float ? 0 : std::fabs(place.scale * place.factor);
+  return {range_of(place).low, port_.upper_limit(name), place.step.value_or(resolution)};
+}
+
 void ModbusBench::write_setting(std::string_view name, double value) {
   port_.write(name, value);
   if (name.ends_with("_limit")) read_limits();

@@ -29,6 +29,8 @@ class ModbusBench final : public Bench {
   std::optional<double> winding_temperature() override;
   void wait(double seconds) override { port_.wait(seconds); }
   bool has_setting(std::string_view name) const override;
+  /// By profile and command line; the step of a whole number is its resolution at least.
+  SettingRange setting_range(std::string_view name) const override;
   double read_setting(std::string_view name) override { return port_.read_value(name); }
   void write_setting(std::string_view name, double value) override;
 
