@@ -133,7 +133,7 @@ SessionEnd AmplifierSession::restore() {
     ended_ = true;
     return end;
   }
-  if (profile_.excitation) port_->perform(profile_.excitation->stop);
+  if (profile_.excitation) port_->perform(profile_.excitation->stop, true);
   put_back(*port_, backup_, true);
   finish(end.state, true);
   return end;

@@ -57,7 +57,8 @@ class Client {
   }
   std::optional<ModbusException> write_raw(const std::string& name, const RawValue& raw) {
     const DeviceRegister& place = profile_.at(name);
-    return write_words(place, put_raw(place, raw));
+    const auto now = place.bits ? read_words(place) : std::vector<std::uint16_t>{};
+    return write_words(place, put_raw(place, raw, now));
   }
   double code(const std::string& name, std::string_view code) const {
     return static_cast<double>(find_code(profile_.at(name), code).value());
