@@ -43,7 +43,7 @@ struct BenchOffer {
 /// A motor behind an amplifier, written for the tests without anything of the library's own: the
 /// equations
 ///   v = R i + L di/dt + K w,   J dw/dt = K i - b w - f_c sgn w,   dy/dt = w_b (u(t - d) - y)
-/// by Runge-Kutta steps of a twentieth of a tick that end at the delayed command's jumps; y is the
+/// by Runge-Kutta steps of at most 5 us that end at the delayed command's jumps; y is the
 /// current (current mode) or the voltage (voltage mode).
 class MotorBench : public Bench {
  public:
@@ -118,7 +118,6 @@ class MotorBench : public Bench {
   double peak_current = 0;   // [A]
   double peak_voltage = 0;   // [V]
   int fails_at = -1;         // the run that ends with a fault
-  static constexpr double tick = 1e-4;
 
  private:
   struct State {
@@ -192,7 +191,7 @@ class MotorBench : public Bench {
 
   void step_segment(double length, double u) {
     if (length < 1e-12) return;
-    const int parts = std::max(1, static_cast<int>(std::ceil(length / (tick / 20))));
+    const int parts = std::max(1, static_cast<int>(std::ceil(length / 5e-6)));
     for (int i = 0; i < parts; ++i) step(length / parts, u);
   }
 
@@ -257,6 +256,7 @@ class MotorBench : public Bench {
 
   BenchMotor motor_;
   BenchOffer offer_;
+  const double tick = offer_.shortest_period;
   RandomStream noise_;
   DriveMode mode_ = DriveMode::current;
   std::vector<double> history_ = std::vector<double>(8, 0.0);

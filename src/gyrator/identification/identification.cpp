@@ -192,6 +192,7 @@ std::vector<std::string> find_disturbing_settings(const Bench& bench) {
 
 Identification identify(Bench& bench, const IdentificationOptions& options,
                         const ExperimentListener& listener) {
+  plan_identification(bench.limits(), options);  // refuses what cannot be
   Identification found;
   found.tick = bench.limits().shortest_period;
   found.position_quantum = bench.limits().position_quantum;
@@ -200,6 +201,9 @@ Identification identify(Bench& bench, const IdentificationOptions& options,
   experiments.find_amplitude();
   experiments.sweep_sines();
   found.amplifier = fit_amplifier(found.sines, found.tick);
+  const auto apparent =
+      found.amplifier ? found.amplifier : fit_apparent_amplifier(found.sines, found.tick);
+  if (apparent) found.lag = apparent->lag(found.tick);
   if (experiments.find_motion()) {
     experiments.measure_inertia();
     experiments.measure_friction();
@@ -207,7 +211,7 @@ Identification identify(Bench& bench, const IdentificationOptions& options,
   quiet.put_back();
 
   WindingOptions winding;
-  if (found.amplifier) winding.lag = found.amplifier->lag(found.tick);
+  winding.lag = found.lag;
   winding.motion = found.motion;
   winding.position_quantum = found.position_quantum;
   winding.temperature_coefficient = options.temperature_coefficient;
