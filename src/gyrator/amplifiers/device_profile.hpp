@@ -92,7 +92,8 @@ struct DeviceCapture {
 /// An amplifier as its maker's manual describes it: registers by name, and how to work with them.
 struct DeviceProfile {
   std::string name, file;
-  std::string digest;  ///< SHA-256 of the profile's text
+  std::string digest;     ///< SHA-256 of the document
+  nlohmann::json source;  ///< the document
   std::string caveats;
   DeviceLink link;
   std::vector<DeviceRegister> registers;

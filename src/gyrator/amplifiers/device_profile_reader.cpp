@@ -332,6 +332,7 @@ DeviceProfile parse_device_profile(const json& document, const std::string& file
   profile.name = read["name"];
   profile.file = file;
   profile.caveats = read["caveats"];
+  profile.source = document;
   profile.digest = compute_sha256(document.dump());
   const WordOrder order = *find_word_order(read["order"].get<std::string>());
   profile.link = read_link(read["link"]);

@@ -80,6 +80,11 @@ struct BenchLimits {
   std::vector<ExcitationKind> kinds;
 };
 
+/// The values that a setting may take: low, low + step … up to high; step 0: all between.
+struct SettingRange {
+  double low = 0, high = 0, step = 0;
+};
+
 /// An amplifier with a motor, on the bench: real behind Modbus, or simulated in this process.
 class Bench {
  public:
@@ -103,6 +108,7 @@ class Bench {
 
   /// Settings by their well-known names (docs/amplifiers.md), in SI units, switches as 0 and 1.
   virtual bool has_setting(std::string_view name) const = 0;
+  virtual SettingRange setting_range(std::string_view name) const = 0;
   virtual double read_setting(std::string_view name) = 0;
   virtual void write_setting(std::string_view name, double value) = 0;
 };

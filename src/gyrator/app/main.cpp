@@ -30,7 +30,8 @@ int run(int argc, char** argv) {
   app.footer(
       "A model file describes motor, amplifier, damping circuit, mechanics and controller.\n"
       "Example:\n  gyrator passivity examples/rc_display.json\n\n"
-      "Exit codes: 0 done, 1 the answer is no, 2 bad input, 3 numerical failure, 130 interrupted.");
+      "Exit codes: 0 done, 1 the answer is no, 2 bad input, 3 numerical failure,\n4 device or "
+      "communication failure, 130 interrupted.");
   gyrator::app::add_impedance_command(app, exit_code);
   gyrator::app::add_passivity_command(app, exit_code);
   gyrator::app::add_verify_certificate_command(app, exit_code);
@@ -47,6 +48,10 @@ int run(int argc, char** argv) {
   gyrator::app::add_report_command(app, exit_code);
   gyrator::app::add_schematic_command(app, exit_code);
   gyrator::app::add_schema_command(app, exit_code);
+  gyrator::app::add_twin_command(app, exit_code);
+  gyrator::app::add_backup_command(app, exit_code);
+  gyrator::app::add_diff_command(app, exit_code);
+  gyrator::app::add_restore_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

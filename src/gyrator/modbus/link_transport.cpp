@@ -1,6 +1,7 @@
 #include "gyrator/modbus/link_transport.hpp"
 
 #include "gyrator/core/error.hpp"
+#include "gyrator/modbus/serial_line.hpp"
 
 #include <algorithm>
 #include <arpa/inet.h>
@@ -43,7 +44,8 @@ modbus_t* make_context(const TcpAddress& address) {
 
 modbus_t* make_context(const SerialAddress& address) {
   constexpr int data_bits = 8;
-  return ::modbus_new_rtu(address.device.c_str(), address.baud, static_cast<char>(address.parity),
+  const Parity parity = is_pseudo_terminal(address.device) ? Parity::none : address.parity;
+  return ::modbus_new_rtu(address.device.c_str(), address.baud, static_cast<char>(parity),
                           data_bits, address.stop_bits);
 }
 

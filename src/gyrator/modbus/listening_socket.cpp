@@ -69,7 +69,6 @@ void set_option(int socket, int level, int option) {
 }  // namespace
 
 ListeningSocket listen_for_tcp(const std::string& host, std::uint16_t port, bool loopback_only) {
-  constexpr int waiting_clients = 16;
   const std::string place = fmt::format("{}:{}", host, port);
   const Addresses addresses = find_addresses(host, port, place);
   const addrinfo& address = *addresses;
@@ -80,7 +79,7 @@ ListeningSocket listen_for_tcp(const std::string& host, std::uint16_t port, bool
   FileDescriptor socket(::socket(address.ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (socket.is_open()) set_option(socket.get(), SOL_SOCKET, SO_REUSEADDR);
   if (!socket.is_open() || ::bind(socket.get(), address.ai_addr, address.ai_addrlen) != 0 ||
-      ::listen(socket.get(), waiting_clients) != 0) {
+      ::listen(socket.get(), SOMAXCONN) != 0) {
     const ErrorCode code = errno == EADDRNOTAVAIL ? ErrorCode::bad_input : ErrorCode::device;
     throw Error(code, place, "cannot be listened at: " + std::generic_category().message(errno));
   }

@@ -148,8 +148,9 @@ void ModbusServer::Service::wait_for_events(Clock::time_point until) {
 
 void ModbusServer::Service::accept_clients(int listener) {
   while (auto client = accept_client(listener)) {
-    const auto there = std::count_if(lines_.begin(), lines_.end(),
-                                     [](const ServerLine& line) { return !line.serial; });
+    const auto there = std::count_if(lines_.begin(), lines_.end(), [](const ServerLine& line) {
+      return !line.serial && !line.closed;
+    });
     if (there >= options_.most_clients) continue;  // closed at once
     lines_.emplace_back(std::move(*client));
     ++statistics_.clients;

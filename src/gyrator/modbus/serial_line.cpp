@@ -16,6 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* terminals_folder = "/dev/pts";
+
 struct Speed {
   int baud;
   speed_t code;
@@ -43,8 +45,9 @@ void make_raw(termios& settings) {
 void set_line(termios& settings, const SerialAddress& line) {
   make_raw(settings);
   settings.c_cflag &= ~static_cast<tcflag_t>(PARENB | PARODD | CSTOPB | CRTSCTS);
-  if (line.parity != Parity::none) settings.c_cflag |= PARENB;
-  if (line.parity == Parity::odd) settings.c_cflag |= PARODD;
+  const bool parity = line.parity != Parity::none && !is_pseudo_terminal(line.device);
+  if (parity) settings.c_cflag |= PARENB;
+  if (parity && line.parity == Parity::odd) settings.c_cflag |= PARODD;
   if (line.stop_bits == 2) settings.c_cflag |= CSTOPB;
   const auto* speed = std::find_if(speeds.begin(), speeds.end(),
                                    [&](const Speed& s) { return s.baud == line.baud; });
@@ -68,7 +71,7 @@ void make_room_for(const fs::path& link) {
   const fs::file_status status = fs::symlink_status(link, ignored);
   if (!fs::exists(status)) return;
   const fs::path target = fs::is_symlink(status) ? fs::read_symlink(link, ignored) : fs::path();
-  if (target.parent_path() != "/dev/pts")
+  if (target.parent_path() != terminals_folder)
     throw Error(ErrorCode::bad_input, link.string(),
                 "exists already: the link to the pseudo-terminal needs a name of its own");
   fs::remove(link, ignored);
@@ -83,6 +86,11 @@ const std::vector<int>& known_baud_rates() {
     return found;
   }();
   return rates;
+}
+
+bool is_pseudo_terminal(const std::string& device) {
+  std::error_code ignored;
+  return fs::canonical(device, ignored).parent_path() == terminals_folder;
 }
 
 FileDescriptor open_serial_line(const SerialAddress& line) {

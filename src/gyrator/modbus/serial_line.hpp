@@ -12,6 +12,10 @@ namespace gyrator {
 /// Baud rates that the system's serial driver and libmodbus both know.
 const std::vector<int>& known_baud_rates();
 
+/// Whether the device file, or what it is a link to, is a pseudo-terminal. These have no parity,
+/// and the system refuses to set one, so that it is left out.
+bool is_pseudo_terminal(const std::string& device);
+
 /// Opens the line's device for reads that do not wait, with its baud rate, parity and stop bits,
 /// and nothing done to the bytes. Throws device, the device file as its place.
 FileDescriptor open_serial_line(const SerialAddress& line);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <boost/math/quadrature/gauss.hpp>
 
@@ -43,8 +44,11 @@ std::array<QuadratureNode, Points> gauss_nodes(double from, double to) {
 
 }  // namespace
 
-AliasedDisk::AliasedDisk(const Device& device, const Sampling& sampling)
-    : model_(device), period_(sampling.period.to_double()), delay_(sampling.delay.to_double()) {
+AliasedDisk::AliasedDisk(const Device& device, const Sampling& sampling, PortCorrection correction)
+    : model_(device),
+      correction_(std::move(correction)),
+      period_(sampling.period.to_double()),
+      delay_(sampling.delay.to_double()) {
   split_ = split_delay(sampling);
   whole_delay_ = split_.rest == 0;
   const double sampling_frequency = 2 * std::numbers::pi / period_;
@@ -74,7 +78,8 @@ void AliasedDisk::note_damping(const PortResponse& response) {
 }
 
 AliasedDisk::Term AliasedDisk::make_term(double omega) {
-  const PortResponse r = model_.at(std::abs(omega));
+  PortResponse r = model_.at(std::abs(omega));
+  if (correction_) correction_(r);
   note_damping(r);
   const Complex path = plain_product(r.sensor_path, r.actuation);
   const Complex blocked = r.blocked_motion - model_.blocked_feedthrough();

@@ -44,7 +44,9 @@ struct DiskPoint {
 /// bound added to the radius, on the safe side.
 class AliasedDisk {
  public:
-  AliasedDisk(const Device& device, const Sampling& sampling);
+  /// `correction` changes what the model says of the port, at base frequencies and aliases alike;
+  /// it must tend to none at high frequency, where the tail is closed by the model's power law.
+  AliasedDisk(const Device& device, const Sampling& sampling, PortCorrection correction = {});
 
   /// The disk at a base frequency, with `extra_damping` added at the port (a damper there changes
   /// Re Z alone, at every alias).
@@ -95,6 +97,7 @@ class AliasedDisk {
   Tail sum_tail(double extra_damping) const;
 
   PortModel model_;
+  PortCorrection correction_;
   double period_;
   double delay_;
   SplitDelay split_;

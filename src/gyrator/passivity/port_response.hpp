@@ -5,6 +5,7 @@
 #include "gyrator/mechanics/device.hpp"
 
 #include <complex>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -24,6 +25,9 @@ struct PortResponse {
   double omega = 0;  ///< [rad/s]
   std::complex<double> impedance, actuation, sensor_path, blocked_motion;
 };
+
+/// What was measured of a device in place of its model's response, at any frequency > 0 [rad/s].
+using PortCorrection = std::function<void(PortResponse&)>;
 
 /// Straight from the network's descriptor equations, point by point; for tables and as the check of
 /// PortModel. Frequencies in Hz. Throws numerical where the network is singular.

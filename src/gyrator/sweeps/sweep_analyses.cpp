@@ -6,6 +6,7 @@
 #include "gyrator/passivity/held_limit.hpp"
 #include "gyrator/passivity/stiffness_limit.hpp"
 #include "gyrator/passivity/verdict.hpp"
+#include "gyrator/studies/limit_sampler.hpp"
 #include "gyrator/studies/motion_terms.hpp"
 #include "gyrator/studies/result_parts.hpp"
 #include "gyrator/studies/simulation_result.hpp"

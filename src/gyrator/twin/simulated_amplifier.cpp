@@ -82,7 +82,35 @@ void SimulatedAmplifier::advance(double seconds, bool watched) {
 }
 
 void SimulatedAmplifier::advance_ticks(std::int64_t ticks, bool watched) {
-  for (std::int64_t i = 0; i < ticks; ++i) step(watched);
+  constexpr std::int64_t between_looks = 1000;
+  for (std::int64_t left = ticks; left > 0;) {
+    if (is_at_rest()) {
+      rest(left, watched);
+      return;
+    }
+    const std::int64_t count = std::min(left, between_looks);
+    for (std::int64_t i = 0; i < count; ++i) step(watched);
+    left -= count;
+  }
+}
+
+bool SimulatedAmplifier::is_at_rest() {
+  constexpr double nothing = 1e-15;  // [J]: 10 urad/s of a small motor
+  return !settings_.enable && capture_state_ != CaptureState::busy &&
+         plant_->now().stored_energy() < nothing;
+}
+
+void SimulatedAmplifier::rest(std::int64_t ticks, bool watched) {
+  now_ += ticks;
+  if (watched) watched_ticks_ += ticks;
+  heat_.cool(static_cast<double>(ticks) * tick);
+  follow_winding();
+}
+
+void SimulatedAmplifier::follow_winding() {
+  const double resistance = heat_.resistance();
+  if (std::abs(resistance - plant_resistance_) > resistance_step * plant_resistance_)
+    rebuild(settings_, resistance);
 }
 
 double SimulatedAmplifier::bound(double command) const {
@@ -120,9 +148,7 @@ void SimulatedAmplifier::step(bool watched) {
   current_ = plant_->now().current();
   heat_.warm(before, current_);
   if (settings_.enable) protect();
-  const double resistance = heat_.resistance();
-  if (std::abs(resistance - plant_resistance_) > resistance_step * plant_resistance_)
-    rebuild(settings_, resistance);
+  follow_winding();
 }
 
 double SimulatedAmplifier::sense(double value, double noise, double step,

@@ -54,8 +54,9 @@ struct TwinTruth {
 /// built in a tick otherwise. The capacitor of a branch that is not connected keeps its charge.
 ///
 /// A fault disables: the terminals are then open but for the damping branch, and the generator is
-/// off. It stays until cleared, and as long the drive cannot be enabled. Deterministic: the same
-/// calls give the same numbers.
+/// off. It stays until cleared, and as long the drive cannot be enabled. A motor that is at rest
+/// with the drive off (below 1e-15 J) only cools, in one step. Deterministic: the same calls give
+/// the same numbers.
 class SimulatedAmplifier {
  public:
   static constexpr std::int64_t ticks_per_second = 10000;
@@ -113,6 +114,9 @@ class SimulatedAmplifier {
 
  private:
   void step(bool watched);
+  bool is_at_rest();
+  void rest(std::int64_t ticks, bool watched);
+  void follow_winding();
   void record();
   void protect();
   void watch_energy();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include <fmt/core.h>
 
@@ -87,6 +88,15 @@ std::optional<double> TwinBench::winding_temperature() {
 bool TwinBench::has_setting(std::string_view name) const {
   return SimulatedAmplifier::has_setting(name) || SimulatedAmplifier::has_actual(name) ||
          name == "clear_fault";
+}
+
+// As a digital potentiometer and a bank of switched capacitors would have them.
+SettingRange TwinBench::setting_range(std::string_view name) const {
+  if (name == "cancellation_resistance") return {0, 20, 0.01};
+  if (name == "damping_resistance") return {0.1, 200, 0.1};
+  if (name == "damping_capacitance") return {0, 10e-3, 10e-6};
+  if (name == "damping_connected" || name == "enable" || name == "drive_mode") return {0, 1, 1};
+  return {0, std::numeric_limits<double>::max(), 0};
 }
 
 }  // namespace gyrator

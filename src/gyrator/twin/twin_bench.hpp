@@ -18,6 +18,7 @@ class TwinBench : public Bench {
   std::optional<double> winding_temperature() override;
   void wait(double seconds) override { amplifier_.advance(seconds); }
   bool has_setting(std::string_view name) const override;
+  SettingRange setting_range(std::string_view name) const override;
   double read_setting(std::string_view name) override { return amplifier_.read(name); }
   void write_setting(std::string_view name, double value) override {
     amplifier_.write(name, value);

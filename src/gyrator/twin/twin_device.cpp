@@ -13,6 +13,8 @@
 namespace gyrator {
 namespace {
 
+constexpr double lowest_rail = 0.01;  // [V], where the limit is zero
+
 [[noreturn]] void refuse(const std::string& place, const std::string& message) {
   throw Error(ErrorCode::bad_input, place, message);
 }
@@ -200,7 +202,7 @@ Device make_plant_device(const TwinDevice& twin, const TwinSettings& settings, d
     if (const auto* given = std::get_if<CurrentAmplifier>(&twin.device.drive.amplifier))
       amplifier.sense = given->sense;
     if (!settings.enable) amplifier.sense = CurrentSense::total;
-    if (!cancels) amplifier.voltage_limit = settings.voltage_limit;
+    if (!cancels) amplifier.voltage_limit = std::max(settings.voltage_limit, lowest_rail);
     device.drive.amplifier = amplifier;
   }
   return device;

@@ -22,8 +22,8 @@ struct NumberSetting {
   const char* unit;
 };
 constexpr std::array number_settings{
-    NumberSetting{"current_limit", &TwinSettings::current_limit, 1e-3, 1e3, "A"},
-    NumberSetting{"voltage_limit", &TwinSettings::voltage_limit, 1e-2, 1e3, "V"},
+    NumberSetting{"current_limit", &TwinSettings::current_limit, 0, 1e3, "A"},
+    NumberSetting{"voltage_limit", &TwinSettings::voltage_limit, 0, 1e3, "V"},
     NumberSetting{"temperature_limit", &TwinSettings::temperature_limit, 200, 600, "K"},
     NumberSetting{"velocity_limit", &TwinSettings::velocity_limit, 1e-6, 1e6, "rad/s or m/s"},
     NumberSetting{"cancellation_resistance", &TwinSettings::cancellation_resistance, 0, 1e4, "ohm"},

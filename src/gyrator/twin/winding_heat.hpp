@@ -19,13 +19,17 @@ class WindingHeat {
   /// One tick in which the current goes from `before` to `after` [A].
   void warm(double before, double after);
 
+  /// So long without a current [s].
+  void cool(double seconds);
+
   double rise() const { return rise_; }  ///< above the ambient [K]
   double resistance() const { return cold_ * (1 + alpha_ * (ambient_ + rise_)); }  ///< [ohm]
 
  private:
   double cold_, alpha_, ambient_, rise_;
-  double keeps_;    ///< part of the rise that is left after a tick
-  double by_heat_;  ///< [K/W]
+  double time_constant_;  ///< [s]
+  double keeps_;          ///< part of the rise that is left after a tick
+  double by_heat_;        ///< [K/W]
 };
 
 }  // namespace gyrator

@@ -186,7 +186,7 @@ TEST(SimulatedAmplifier, RefusedWritesChangeNothing) {
   SimulatedAmplifier amplifier(make_plain_twin());
   const TwinSettings before = amplifier.settings();
   EXPECT_THROW(amplifier.write("damping_resistance", -1), Error);
-  EXPECT_THROW(amplifier.write("current_limit", 0), Error);
+  EXPECT_THROW(amplifier.write("current_limit", -1), Error);
   EXPECT_THROW(amplifier.write("current_limit", std::nan("")), Error);
   EXPECT_THROW(amplifier.write("enable", 0.5), Error);
   EXPECT_THROW(amplifier.write("current", 1), Error);
