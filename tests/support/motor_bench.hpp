@@ -102,6 +102,7 @@ class MotorBench : public Bench {
   bool has_setting(std::string_view name) const override {
     return settings.contains(std::string(name));
   }
+  SettingRange setting_range(std::string_view) const override { return {0, 1e9, 0}; }
   double read_setting(std::string_view name) override { return settings.at(std::string(name)); }
   void write_setting(std::string_view name, double value) override {
     settings[std::string(name)] = value;

@@ -108,16 +108,20 @@ void add_amplifier(Identification& found, double confidence) {
   found.parameters.push_back(delay);
 }
 
-// What another lag within its own interval would make of the inductance.
+// What the lag's own errors make of the inductance, by its slope.
 double find_lag_error(const Identification& found, const WindingOptions& options) {
   if (!found.amplifier) return 0;
   double sum = 0;
   for (const int unknown : {1, 2}) {
     WindingOptions moved = options;
-    const Estimate estimate = found.amplifier->fit.at(unknown);
-    (unknown == 1 ? moved.lag->time_constant : moved.lag->delay) += estimate.deviation;
+    const double deviation = found.amplifier->fit.at(unknown).deviation;
+    double& place = unknown == 1 ? moved.lag->time_constant : moved.lag->delay;
+    const double step = std::min(deviation, 0.01 * found.tick);
+    if (!(step > 0)) continue;
+    place += step;
     const auto fit = fit_winding(found.sines, found.windows, moved);
-    sum += std::pow(fit->fit.values[1] - found.winding->fit.values[1], 2);
+    const double change = fit->fit.values[1] - found.winding->fit.values[1];
+    sum += std::pow(change * deviation / step, 2);
   }
   return std::sqrt(sum);
 }
