@@ -21,7 +21,8 @@ to the frames one after another: each entry waits for the next frame of its dire
 done nothing more is disturbed. Kinds:
 
     drop       the frame goes nowhere
-    delay      it goes on later, by a time drawn from `delay` [s]; what comes after it waits
+    delay      it goes on later, by a time drawn from `delay` [s]; what comes after it waits. A request may
+               so arrive after its client has given it up, as over a real network
     cut        both connections are closed, the frame is lost
     cut_after  the frame goes on, then both are closed
     corrupt    one bit of it is turned (answers only, unless corrupt_requests: TCP has check sums of

@@ -105,7 +105,8 @@ int ask(const std::vector<std::string>& words) {
   while (std::getline(std::cin, text)) {
     std::istringstream line(text);
     try {
-      std::cout << "ok" << perform(link, line) << std::endl;
+      const std::string answer = perform(link, line);
+      std::cout << "ok" << answer << std::endl;
     } catch (const LinkError& error) {
       std::cout << name_of_fault(error.fault()) << ' ' << error.what() << std::endl;
     } catch (const Error& error) {

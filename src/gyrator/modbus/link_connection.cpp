@@ -206,7 +206,6 @@ LinkConnection::Outcome LinkConnection::judge(const LinkRequest& request,
                   fmt::format("no answer within {:g} s: is the device on, and is its unit {}?",
                               options_.response_timeout, options_.unit));
     case Kind::part:
-      framed_ = false;
       return fail(request, LinkFault::timeout,
                   fmt::format("only a part of an answer, then nothing for {:g} s: is the line "
                               "disturbed, or the byte timeout too short?",
@@ -281,13 +280,13 @@ LinkConnection::Outcome LinkConnection::try_once(const LinkRequest& request) {
   last_ = Clock::now();
   if (!outcome.fault) return outcome;
   const LinkFault fault = outcome.fault->fault();
-  const bool silence = fault == LinkFault::timeout && framed_;
-  framed_ = true;
   if (fault == LinkFault::exception) return outcome;
+  // After silence too: the device may have got a part of the request, and would take the next one
+  // for the rest of it.
   if (serial_ && fault != LinkFault::lost)
     unsettled_ = true;
-  else if (!silence)
-    close();  // a stream that made no sense has lost its frames; late answers have their number
+  else
+    close();
   return outcome;
 }
 

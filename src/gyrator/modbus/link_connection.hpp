@@ -76,7 +76,6 @@ class LinkConnection {
   std::uint16_t transaction_ = 0;
   bool was_open_ = false;
   bool unsettled_ = false;  // a late answer may still come over the serial line
-  bool framed_ = true;      // the last bytes that came ended with a frame
   Clock::time_point last_;  // end of the last exchange
 };
 

@@ -9,6 +9,7 @@
 #include "gyrator/studies/result_fields.hpp"
 #include "gyrator/studies/result_figures.hpp"
 #include "gyrator/studies/two_port_section.hpp"
+#include "gyrator/studies/tuning_result.hpp"
 #include "gyrator/studies/workspace_result.hpp"
 
 #include <algorithm>
@@ -372,6 +373,7 @@ constexpr auto makers =
                                  {"simulate", simulate_section, simulate_sentence},
                                  {"stability-map", stability_map_section, no_sentence},
                                  {"tolerance", tolerance_section, tolerance_sentence},
+                                 {"tune", tuning_section, tuning_sentence},
                                  {"twoport", two_port_section, two_port_sentence},
                                  {"workspace", workspace_section, workspace_sentence},
                                  {"zwidth", zwidth_section, no_sentence},
@@ -398,7 +400,9 @@ std::string verdict_sentence(const json& result) {
 bool is_bad_news(const json& result) {
   const auto outcome = optional_text(result, "classification");
   const auto verdict = optional_text(result, "verdict");
+  const auto tuned = optional_text(result, "outcome");
   return verdict == "not_passive" || verdict == "not_enough" ||
+         (command_of(result) == "tune" && tuned != "reached" && tuned != "planned") ||
          !optional_flag(result, "robust", true) ||
          !optional_flag(result, "absolutely_stable", true) ||
          (!outcome.empty() && !outcome.starts_with("settle"));

@@ -4,6 +4,7 @@
 #include "gyrator/studies/envelope_result.hpp"
 #include "gyrator/studies/environment_result.hpp"
 #include "gyrator/studies/result_fields.hpp"
+#include "gyrator/studies/tuning_result.hpp"
 #include "gyrator/studies/workspace_result.hpp"
 
 #include <algorithm>
@@ -182,6 +183,7 @@ constexpr auto figure_makers = std::to_array<FigureMaker>({{"compare", compariso
                                                            {"simulate", simulate_figure},
                                                            {"stability-map", stability_map_figure},
                                                            {"tolerance", tolerance_figure},
+                                                           {"tune", tuning_figure},
                                                            {"twoport", two_port_figure},
                                                            {"workspace", workspace_figure},
                                                            {"zwidth", zwidth_figure},

@@ -1,17 +1,12 @@
 #pragma once
 
 #include "gyrator/amplifiers/experiment.hpp"
+#include "gyrator/identification/sine_measurement.hpp"
 
 #include <complex>
 #include <vector>
 
 namespace gyrator {
-
-/// A complex amplitude that was measured, and the standard error of each of its two parts.
-struct Phasor {
-  std::complex<double> value;
-  double error = 0;
-};
 
 /// A sine in steady state, as it was captured. A signal s(t) is Re{S e^(jwt)}; t = 0 is the
 /// excitation's begin for all of them.

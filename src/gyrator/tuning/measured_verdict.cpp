@@ -77,7 +77,7 @@ double find_stiffness(const DiskPoint& disk, Complex damping_law) {
 Tone shake(const Tone& tone, RandomStream& random) {
   Tone shaken = tone;
   for (Phasor* p : {&shaken.command, &shaken.current, &shaken.voltage, &shaken.velocity})
-    p->value += p->error * Complex(random.normal(), random.normal());
+    p->value += p->deviation * Complex(random.normal(), random.normal());
   return shaken;
 }
 

@@ -10,9 +10,8 @@ namespace gyrator {
 /// How large a sine may be, at a frequency [A or V].
 using AmplitudeAt = std::function<double(double frequency_hz)>;
 
-/// Plays a sine, lets it settle, and keeps whole periods of it. The standard errors are those of
-/// the means over eight parts of the capture: what is not white (quantization, friction) counts as
-/// it is. Throws as Bench::run.
+/// Plays a sine, lets it settle, keeps whole periods of it and fits them (sine-1). Throws as
+/// Bench::run, and device where a signal is not offered.
 Tone measure_tone(Bench& bench, DriveMode mode, double amplitude, double frequency_hz);
 
 /// One after the other.
@@ -21,7 +20,7 @@ std::vector<Tone> measure_tones(Bench& bench, DriveMode mode, const AmplitudeAt&
 
 /// Frequencies, so many and evenly spread over the logarithm, within what the bench can do. Those
 /// near to the capture's rate are left out.
-std::vector<double> choose_frequencies(const BenchLimits& limits, double lowest_hz,
+std::vector<double> spread_frequencies(const BenchLimits& limits, double lowest_hz,
                                        double highest_hz, int count);
 
 }  // namespace gyrator

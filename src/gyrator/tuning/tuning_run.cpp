@@ -23,6 +23,10 @@ constexpr int rc_steps = 3;
 // a damping that is off by more than this share.
 constexpr double least_remaining = 0.5;
 constexpr double largest_deviation = 0.5;
+// The model is of another motor where a slow sine shows so much reactance, as a share of the
+// winding's resistance, or so much more or less inertia.
+constexpr double largest_reactance = 0.3;
+constexpr double largest_load_ratio = 1.6;
 // What is left of the motion must not grow, by more than what noise does to the number.
 constexpr double growth_allowed = 0.5;  // [1/s]
 
@@ -66,7 +70,7 @@ class Tuner {
     run_.model = identified;
     check();
     frequencies_ =
-        choose_frequencies(limits_, options.lowest_hz, options.highest_hz, options.frequencies);
+        spread_frequencies(limits_, options.lowest_hz, options.highest_hz, options.frequencies);
   }
 
   TuningRun run() {
@@ -77,6 +81,12 @@ class Tuner {
     run_.measurement.delay = run_.model.sampling.delay.to_double();
     set_device(bare_device());
     run_.measurement.bare = measure(frequencies_);
+    if (const auto contradiction = find_contradiction()) {
+      run_.outcome = TuningOutcome::stopped;
+      run_.explanation = *contradiction;
+      guard.put_back();
+      return run_;
+    }
     follow_winding(run_.measurement.bare);
     run_.choice = choose_settings(run_.model, options_.target, range_of());
     if (!run_.choice.reaches_wall && !options_.target.cancellation) {
@@ -200,7 +210,7 @@ class Tuner {
     for (std::size_t i = 0; i < tones.size() && i < 3; ++i) {
       const Tone& tone = tones[i];
       const double error =
-          std::hypot(tone.voltage.error, motor.torque_constant * tone.velocity.error) /
+          std::hypot(tone.voltage.deviation, motor.torque_constant * tone.velocity.deviation) /
               std::abs(tone.current.value) +
           1e-6;
       const std::complex<double> winding =
@@ -212,6 +222,42 @@ class Tuner {
     motor.temperature_rise = (resistance / motor.resistance - 1) / motor.temperature_coefficient;
     present_.drive.motor->temperature_rise = motor.temperature_rise;
     return resistance;
+  }
+
+  // What the bare drive did against the model: the back-EMF of the slowest sines, and the inertia.
+  std::optional<std::string> find_contradiction() const {
+    const Motor& motor = *run_.model.device.drive.motor;
+    const Mechanics& mechanics = run_.model.device.mechanics;
+    for (std::size_t i = 0; i < 4 && i < run_.measurement.bare.size(); ++i) {
+      const Tone& tone = run_.measurement.bare[i];
+      const double omega = 2 * pi * tone.frequency_hz;
+      const std::complex<double> winding =
+          (tone.voltage.value - motor.torque_constant * tone.velocity.value) / tone.current.value;
+      const double off = winding.imag() - omega * motor.inductance;
+      if (std::abs(off) > largest_reactance * motor.resistance) {
+        return fmt::format(
+            "at {:.3g} Hz the winding seems to have {:.3g} ohm of reactance that is not its "
+            "inductance's: the torque constant of the model, {:.4g}, is not this motor's; identify "
+            "it",
+            tone.frequency_hz, off, motor.torque_constant);
+      }
+      const double load =
+          std::abs(motor.torque_constant * tone.current.value / tone.velocity.value);
+      const double modelled =
+          std::abs(std::complex<double>(mechanics.damping, omega * mechanics.inertia));
+      // Dry friction adds to what slow motion takes.
+      const bool is_light = load < modelled / largest_load_ratio;
+      const bool is_heavy =
+          i > 0 && load > modelled * largest_load_ratio &&
+          mechanics.coulomb_friction < 0.2 * motor.torque_constant * std::abs(tone.current.value);
+      if (is_light || is_heavy) {
+        return fmt::format(
+            "at {:.3g} Hz the motor turns as if it had {:.3g} times the model's "
+            "inertia; identify it",
+            tone.frequency_hz, load / modelled);
+      }
+    }
+    return {};
   }
 
   void write(const std::vector<Setting>& settings) {
@@ -239,8 +285,11 @@ class Tuner {
       for (int step = 0; step < 100; ++step) {
         const double target = cancellation_target(range);
         const double winding = run_.model.device.drive.motor->warm_resistance();
-        const double next =
-            std::min(target, snap(winding - kept_per_step * (winding - now), range, true));
+        // Of what is left, by the register or by measurement, whichever is less.
+        const double left = run_.steps.empty()
+                                ? winding
+                                : std::min(winding - now, run_.steps.back().remaining_resistance);
+        const double next = std::min(target, snap(now + (1 - kept_per_step) * left, range, true));
         if (next <= now) break;
         if (!take_step({{"cancellation_resistance", next}})) return false;
         now = next;

@@ -20,13 +20,17 @@ NetworkEquations equations_of(const DeviceNetwork& device) {
   return moving ? NetworkEquations::with_ports(device.network) : NetworkEquations(device.network);
 }
 
-Signal find_signal(const Plant& plant, std::string_view name) {
-  for (const Signal& signal : plant.others)
-    if (signal.name == name) return signal;
+[[noreturn]] void refuse_impulse(std::string_view name) {
   throw Error(ErrorCode::numerical, "twin",
               std::string(name) +
                   " has an impulse at every step of the command in this circuit: give the circuit "
                   "the resistance or inductance that the real one has");
+}
+
+Signal find_signal(const Plant& plant, std::string_view name) {
+  for (const Signal& signal : plant.others)
+    if (signal.name == name) return signal;
+  refuse_impulse(name);
 }
 
 // The rate of the sensed position.
@@ -35,6 +39,23 @@ Signal differentiate(const Plant& plant) {
   const MatrixXd& B = plant.nonlinear ? plant.nonlinear->B : plant.B;
   const RowVectorXd& position = plant.sensor_position.state;
   return {"sensor_velocity", position * A, position * B};
+}
+
+// Across the motor itself: with what the amplifier adds to cancel resistance.
+Signal find_winding_voltage(const Plant& plant, const DeviceNetwork& device,
+                            const NetworkEquations& equations, const Reduction& reduction) {
+  const auto& winding = device.network.element(*device.network.find_element("motor.resistance"));
+  const ReducedForm form = reduction.reduce(equations.across(winding.positive));
+  if (!form.input_rate.isZero(1e-12)) refuse_impulse("voltage");
+  // The plant has more of both: positions, and the efforts of contacts before the ports (nl-1).
+  Signal signal{"voltage", RowVectorXd::Zero(plant.states()), RowVectorXd::Zero(plant.inputs())};
+  signal.state.head(form.state.size()) = form.state;
+  signal.input.head(2) = form.input.head(2);
+  if (plant.nonlinear) {
+    const Index ports = form.input.size() - 2;
+    signal.input.segment(plant.nonlinear->first_port(), ports) = form.input.tail(ports);
+  }
+  return signal;
 }
 
 // The current that leaves the amplifier [A]: the voltage source is measured into its output.
@@ -80,7 +101,7 @@ TwinPlant::TwinPlant(const Device& device, double tick, double split)
       plant_(build_moving_plant(network_)),
       engine_(make_exact_engine(plant_, {.ledger = false})),
       current_(make_reading(find_signal(plant_, "current"))),
-      voltage_(make_reading(find_signal(plant_, "voltage"))),
+      voltage_(make_reading(find_winding_voltage(plant_, network_, equations_, reduction_))),
       velocity_(make_reading(differentiate(plant_))),
       position_(make_reading(plant_.sensor_position)),
       output_current_(find_output_current(network_, equations_, reduction_)) {

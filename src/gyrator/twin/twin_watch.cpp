@@ -60,7 +60,7 @@ void SimulatedAmplifier::protect() {
                                                   settings_.watchdog_period * ticks_per_second) {
     trip(TwinFault::watchdog);
   } else if (now_ % slow_every == 0) {
-    const double output = plant_->now().voltage() + settings_.cancellation_resistance * current_;
+    const double output = plant_->now().voltage();
     if (std::abs(output) > trip_ratio * settings_.voltage_limit) {
       trip(TwinFault::overvoltage);
     } else {

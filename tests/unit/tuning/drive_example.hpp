@@ -85,8 +85,8 @@ inline DriveMeasurement with_noise(DriveMeasurement m, double share, std::uint64
   for (auto* tones : {&m.bare, &m.damped})
     for (Tone& tone : *tones)
       for (Phasor* p : {&tone.current, &tone.voltage, &tone.velocity}) {
-        p->error = share * std::abs(p->value);
-        p->value += p->error * std::complex<double>(random.normal(), random.normal());
+        p->deviation = share * std::abs(p->value);
+        p->value += p->deviation * std::complex<double>(random.normal(), random.normal());
       }
   return m;
 }
