@@ -43,7 +43,7 @@ struct BenchOffer {
 /// A motor behind an amplifier, written for the tests without anything of the library's own: the
 /// equations
 ///   v = R i + L di/dt + K w,   J dw/dt = K i - b w - f_c sgn w,   dy/dt = w_b (u(t - d) - y)
-/// by Runge-Kutta steps of a twentieth of a tick that end at the delayed command's jumps; y is the
+/// by Runge-Kutta steps of at most 5 us that end at the delayed command's jumps; y is the
 /// current (current mode) or the voltage (voltage mode).
 class MotorBench : public Bench {
  public:
@@ -102,6 +102,7 @@ class MotorBench : public Bench {
   bool has_setting(std::string_view name) const override {
     return settings.contains(std::string(name));
   }
+  SettingRange setting_range(std::string_view) const override { return {0, 1e9, 0}; }
   double read_setting(std::string_view name) override { return settings.at(std::string(name)); }
   void write_setting(std::string_view name, double value) override {
     settings[std::string(name)] = value;
@@ -118,7 +119,6 @@ class MotorBench : public Bench {
   double peak_current = 0;   // [A]
   double peak_voltage = 0;   // [V]
   int fails_at = -1;         // the run that ends with a fault
-  static constexpr double tick = 1e-4;
 
  private:
   struct State {
@@ -192,7 +192,7 @@ class MotorBench : public Bench {
 
   void step_segment(double length, double u) {
     if (length < 1e-12) return;
-    const int parts = std::max(1, static_cast<int>(std::ceil(length / (tick / 20))));
+    const int parts = std::max(1, static_cast<int>(std::ceil(length / 5e-6)));
     for (int i = 0; i < parts; ++i) step(length / parts, u);
   }
 
@@ -257,6 +257,7 @@ class MotorBench : public Bench {
 
   BenchMotor motor_;
   BenchOffer offer_;
+  const double tick = offer_.shortest_period;
   RandomStream noise_;
   DriveMode mode_ = DriveMode::current;
   std::vector<double> history_ = std::vector<double>(8, 0.0);

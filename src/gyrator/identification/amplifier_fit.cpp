@@ -9,6 +9,8 @@
 #include <set>
 #include <vector>
 
+#include <Eigen/Dense>
+
 namespace gyrator {
 namespace {
 
@@ -67,38 +69,72 @@ double find_left(std::span<const Ratio> ratios, const Eigen::Vector3d& p, int wh
   return left;
 }
 
+struct Normal {
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+};
+
+Normal build_normal(std::span<const Ratio> ratios, const Eigen::Vector3d& p, int whole, double T) {
+  Normal normal;
+  for (const Ratio& ratio : ratios) {
+    const Sensitivity at = differentiate(p, whole, T, ratio.frequency_hz);
+    const std::complex<double> rest = ratio.value - at.response;
+    const double weight = 1 / (ratio.deviation * ratio.deviation);
+    for (int i = 0; i < 3; ++i) {
+      normal.right[i] += weight * (std::conj(at.slopes[i]) * rest).real();
+      for (int j = 0; j < 3; ++j)
+        normal.matrix(i, j) += weight * (std::conj(at.slopes[i]) * at.slopes[j]).real();
+    }
+  }
+  return normal;
+}
+
+// To a diagonal of one; what nothing depends on keeps a zero.
+Eigen::Vector3d find_scale(const Eigen::Matrix3d& matrix) {
+  return matrix.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+}
+
 Solution refine(std::span<const Ratio> ratios, Eigen::Vector3d p, int whole, double T) {
   Solution best{p, find_left(ratios, p, whole, T)};
   double damping = 1e-3;
   for (int round = 0; round < rounds && damping < 1e9; ++round) {
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (const Ratio& ratio : ratios) {
-      const Sensitivity at = differentiate(best.p, whole, T, ratio.frequency_hz);
-      const std::complex<double> rest = ratio.value - at.response;
-      const double weight = 1 / (ratio.deviation * ratio.deviation);
-      for (int i = 0; i < 3; ++i) {
-        right[i] += weight * (std::conj(at.slopes[i]) * rest).real();
-        for (int j = 0; j < 3; ++j)
-          normal(i, j) += weight * (std::conj(at.slopes[i]) * at.slopes[j]).real();
-      }
-    }
-    const Eigen::Vector3d scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    Eigen::Matrix3d even = scale.asDiagonal() * normal * scale.asDiagonal();
+    const Normal normal = build_normal(ratios, best.p, whole, T);
+    const Eigen::Vector3d scale = find_scale(normal.matrix);
+    Eigen::Matrix3d even = scale.asDiagonal() * normal.matrix * scale.asDiagonal();
     even.diagonal().array() += damping;
-    Eigen::Vector3d next = best.p + Eigen::Vector3d(scale.asDiagonal() *
-                                                    even.ldlt().solve(scale.asDiagonal() * right));
+    Eigen::Vector3d next =
+        best.p +
+        Eigen::Vector3d(scale.asDiagonal() * even.ldlt().solve(scale.asDiagonal() * normal.right));
     next[1] = std::clamp(next[1], least_time_constant, most_time_constant);
     next[2] = std::clamp(next[2], whole * T, (whole + 1) * T);
     const double left = find_left(ratios, next, whole, T);
     if (left < best.left) {
+      const bool settled = left > (1 - 1e-9) * best.left;
       best = {next, left};
+      if (settled) break;
       damping /= 10;
     } else {
       damping *= 10;
     }
   }
   return best;
+}
+
+// Of the noise that the sines have, or of what is left if that is more: where the sines hardly
+// depend on a value, leaving one out does not show it.
+Eigen::Vector3d find_curvature_variance(std::span<const Ratio> ratios, const Solution& solution,
+                                        int whole, double T) {
+  constexpr double flattest = 1e-12;  // of the scaled matrix's eigenvalues
+  const Eigen::Matrix3d matrix = build_normal(ratios, solution.p, whole, T).matrix;
+  const Eigen::Vector3d scale = find_scale(matrix);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
+      Eigen::Matrix3d(scale.asDiagonal() * matrix * scale.asDiagonal()));
+  const Eigen::Vector3d inverse = solver.eigenvalues().cwiseMax(flattest).cwiseInverse();
+  const Eigen::Matrix3d even =
+      solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
+  const double per_equation =
+      solution.left / std::max(1.0, 2.0 * static_cast<double>(ratios.size()) - 3);
+  return std::max(1.0, per_equation) * even.diagonal().cwiseProduct(scale.cwiseAbs2());
 }
 
 // From the best time constant of a grid, with the delay in the middle of its tick.
@@ -142,7 +178,18 @@ std::optional<AmplifierFit> fit_amplifier(std::span<const SineMeasurement> sines
     }
     without.emplace_back(nearby.p);
   }
-  return AmplifierFit{build_jackknife(best.p, without)};
+  AmplifierFit found{build_jackknife(best.p, without)};
+  const Eigen::Vector3d variance = find_curvature_variance(ratios, best, whole, tick);
+  for (int i = 0; i < 3; ++i)
+    found.fit.covariance(i, i) = std::max(found.fit.covariance(i, i), variance[i]);
+  return found;
+}
+
+std::optional<AmplifierFit> fit_apparent_amplifier(std::span<const SineMeasurement> sines,
+                                                   double tick) {
+  std::vector<SineMeasurement> asked(sines.begin(), sines.end());
+  for (SineMeasurement& sine : asked) sine.command = Phasor{sine.played, 0};
+  return fit_amplifier(asked, tick);
 }
 
 }  // namespace gyrator

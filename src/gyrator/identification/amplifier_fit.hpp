@@ -20,6 +20,12 @@ struct AmplifierFit {
 /// to the sines, each weighted by its noise, by Levenberg's and Marquardt's steps within every tick
 /// of delay (Y/U has a kink at whole ones) from the best of a grid. None where the command was not
 /// captured at three sines of different groups. A time constant below 2 us counts as that.
+/// The variances are the larger ones of the jackknife and of the curvature of the squares.
 std::optional<AmplifierFit> fit_amplifier(std::span<const SineMeasurement> sines, double tick);
+
+/// The same with what was asked of the generator in place of the captured command. Its delay holds
+/// whatever time lies between generator and capture, so it is good for (lag-3) and (lag-4) only.
+std::optional<AmplifierFit> fit_apparent_amplifier(std::span<const SineMeasurement> sines,
+                                                   double tick);
 
 }  // namespace gyrator

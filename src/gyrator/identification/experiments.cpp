@@ -2,6 +2,7 @@
 
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/interrupt.hpp"
+#include "gyrator/identification/experiment_rules.hpp"
 #include "gyrator/identification/sine_fit.hpp"
 
 #include <algorithm>
@@ -11,36 +12,13 @@
 #include <numeric>
 
 namespace gyrator {
-namespace {
 
-constexpr double first_share = 0.02;   // of the current limit, with which it begins
-constexpr double growth = 4;           // of amplitude or speed from one experiment to the next
-constexpr double wanted_ratio = 1000;  // of a sine to its standard deviation
-constexpr double settle_time = 0.05;   // before a sine is captured [s]
-constexpr double sine_time = 0.2;      // of its capture [s]
-constexpr int least_sine_samples = 400;
-constexpr int frequency_count = 10;
-constexpr double lowest_frequency = 40, probe_frequency = 100, slowest_frequency = 0.5;
-constexpr double fastest_motion = 40;  // [Hz]; above it a window has too few samples
-constexpr double pause = 0.1;          // between motions [s]
-constexpr int segments = 4;            // groups of windows in a run
-constexpr double visible_ratio = 10;
-constexpr double longest_window = 0.05;
+namespace rules = experiment_rules;
+
+namespace {
 
 double to_radians(double frequency_hz) {
   return 2 * std::numbers::pi * frequency_hz;
-}
-
-int count_sine_samples(const BenchLimits& limits) {
-  const int wanted = static_cast<int>(std::lround(sine_time / limits.shortest_period));
-  return std::min(std::max(wanted, least_sine_samples), limits.most_samples);
-}
-
-// Whole periods in the capture, coprime to its samples.
-double snap_frequency(double frequency_hz, int samples, double period) {
-  int periods = std::max(1, static_cast<int>(std::lround(frequency_hz * samples * period)));
-  while (std::gcd(periods, samples) > 1) ++periods;
-  return periods / (samples * period);
 }
 
 std::optional<Phasor> fit_signal(const Capture& capture, const std::vector<double>& signal,
@@ -63,30 +41,15 @@ double mean_temperature(const Capture& capture, double otherwise) {
 double find_speed(const SineMeasurement& sine, double quantum) {
   const double w = to_radians(sine.frequency_hz);
   if (sine.position && std::abs(sine.position->value) > 3 * quantum &&
-      std::abs(sine.position->value) > visible_ratio * sine.position->deviation)
+      std::abs(sine.position->value) > rules::visible_ratio * sine.position->deviation)
     return w * std::abs(sine.position->value);
-  if (sine.velocity && std::abs(sine.velocity->value) > visible_ratio * sine.velocity->deviation)
+  if (sine.velocity &&
+      std::abs(sine.velocity->value) > rules::visible_ratio * sine.velocity->deviation)
     return std::abs(sine.velocity->value);
   return 0;
 }
 
 }  // namespace
-
-std::vector<double> choose_frequencies(const BenchLimits& limits,
-                                       const IdentificationOptions& options) {
-  const double period = limits.shortest_period;
-  const int samples = count_sine_samples(limits);
-  const double highest =
-      std::min({options.highest_frequency_hz, 0.15 / period, limits.highest_frequency_hz});
-  const double lowest = std::max({std::min(lowest_frequency, highest / 10),
-                                  limits.lowest_frequency_hz, 5 / (samples * period)});
-  std::vector<double> frequencies;
-  for (int i = 0; i < frequency_count; ++i) {
-    const double wanted = lowest * std::pow(highest / lowest, i / (frequency_count - 1.0));
-    frequencies.push_back(snap_frequency(wanted, samples, period));
-  }
-  return frequencies;
-}
 
 double find_peak_velocity(double inertia, double damping, double friction, double amplitude,
                           double frequency_hz, int periods) {
@@ -127,22 +90,15 @@ SineMeasurement Experiments::measure_sine(const std::string& purpose, double fre
                                           double amplitude) {
   Experiment experiment;
   experiment.purpose = purpose;
-  int samples = count_sine_samples(limits_);
-  double period = limits_.shortest_period;
-  // Slow ones need at least three periods, in as many samples.
-  const double stretch = std::ceil(3 / (frequency_hz * samples * period));
-  if (stretch > 1) period *= stretch;
-  experiment.capture.start =
-      std::ceil(settle_time / limits_.shortest_period) * limits_.shortest_period;
-  experiment.capture.period = period;
-  experiment.capture.samples = samples;
-  const double duration = experiment.capture.start + (samples + 2) * period;
-  experiment.excitation = {
-      ExcitationKind::sine, DriveMode::current, amplitude, 0, frequency_hz, 0, duration};
+  const SineTiming timing = find_sine_timing(limits_, frequency_hz);
+  experiment.capture = timing.capture;
+  experiment.excitation = {ExcitationKind::sine, DriveMode::current, amplitude, 0, frequency_hz, 0,
+                           timing.duration};
   const Capture capture = play(experiment);
   SineMeasurement sine;
   sine.frequency_hz = frequency_hz;
   sine.group = groups_++;
+  sine.played = {0, -amplitude};  // a sin(wt) = Re(-j a e^{jwt})
   sine.command = fit_signal(capture, capture.command, frequency_hz, 0);
   const auto current = fit_signal(capture, capture.current, frequency_hz, 1e-12);
   if (!current)
@@ -190,22 +146,18 @@ double Experiments::limit_amplitude(double frequency_hz, double wanted) const {
 }
 
 void Experiments::find_amplitude() {
-  const std::vector<double> frequencies = choose_frequencies(limits_, options_);
-  const double frequency =
-      *std::min_element(frequencies.begin(), frequencies.end(), [](double a, double b) {
-        return std::abs(a - probe_frequency) < std::abs(b - probe_frequency);
-      });
-  amplitude_ = first_share * limits_.largest_current;
+  const double frequency = find_probe_frequency(choose_frequencies(limits_, options_));
+  amplitude_ = rules::first_share * limits_.largest_current;
   for (;;) {
     const SineMeasurement sine = measure_sine("amplitude", frequency, amplitude_);
     const auto stands_out = [](const Phasor& phasor) {
-      return std::abs(phasor.value) > wanted_ratio * phasor.deviation;
+      return std::abs(phasor.value) > rules::wanted_ratio * phasor.deviation;
     };
     const bool enough = stands_out(sine.current) && (!sine.voltage || stands_out(*sine.voltage));
     const double largest =
         limit_amplitude(frequency, options_.current_share * limits_.largest_current);
     if (enough || amplitude_ >= 0.95 * largest) break;
-    amplitude_ = std::min(growth * amplitude_, largest);
+    amplitude_ = std::min(rules::growth * amplitude_, largest);
   }
 }
 
@@ -220,6 +172,10 @@ void Experiments::sweep_sines() {
 }
 
 bool Experiments::find_motion() {
+  // Without a sensor nobody would see how fast it runs.
+  if (std::none_of(found_.sines.begin(), found_.sines.end(),
+                   [](const auto& sine) { return sine.position || sine.velocity; }))
+    return false;
   const auto slowest = std::min_element(
       found_.sines.begin(), found_.sines.end(),
       [](const auto& a, const auto& b) { return a.frequency_hz < b.frequency_hz; });
@@ -235,10 +191,10 @@ bool Experiments::find_motion() {
     }
     const double largest = options_.current_share * limits_.largest_current;
     if (amplitude < 0.95 * largest)
-      amplitude = std::min(growth * amplitude, limit_amplitude(frequency, largest));
+      amplitude = std::min(rules::growth * amplitude, limit_amplitude(frequency, largest));
     else
       frequency /= 2;
-    if (frequency < std::max(slowest_frequency, limits_.lowest_frequency_hz)) return false;
+    if (frequency < std::max(rules::slowest_frequency, limits_.lowest_frequency_hz)) return false;
     sine = measure_sine("motion", frequency, limit_amplitude(frequency, amplitude));
   }
 }
@@ -257,7 +213,7 @@ double Experiments::find_velocity_cap() const {
 
 void Experiments::refit() {
   try {
-    found_.motion = fit_motion(found_.windows);
+    found_.motion = fit_motion(found_.windows, found_.lag);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::numerical) throw;
   }
@@ -265,7 +221,7 @@ void Experiments::refit() {
   options.motion = found_.motion;
   options.position_quantum = found_.position_quantum;
   options.temperature_coefficient = options_.temperature_coefficient;
-  if (found_.amplifier) options.lag = found_.amplifier->lag(limits_.shortest_period);
+  options.lag = found_.lag;
   found_.winding = fit_winding(found_.sines, found_.windows, options);
 }
 
@@ -284,7 +240,7 @@ void Experiments::measure_motion(const std::string& purpose, double frequency_hz
       ExcitationKind::sine, DriveMode::current, amplitude, 0, frequency_hz, 0, duration};
   const Capture capture = play(experiment);
   WindowOptions options;
-  options.length = std::min(0.1 / frequency_hz, longest_window);
+  options.length = std::min(rules::window_periods / frequency_hz, rules::longest_window);
   options.position_quantum = found_.position_quantum;
   std::vector<MotionWindow> windows = find_windows(capture, options);
   double peak = 0;
@@ -295,13 +251,13 @@ void Experiments::measure_motion(const std::string& purpose, double frequency_hz
   for (std::size_t k = 0; k < windows.size(); ++k) {
     windows[k].run = runs_;
     windows[k].frequency_hz = frequency_hz;
-    windows[k].group = groups_ + static_cast<int>(k * segments / windows.size());
+    windows[k].group = groups_ + static_cast<int>(k * rules::segments / windows.size());
     found_.windows.push_back(windows[k]);
   }
-  groups_ += segments;
+  groups_ += rules::segments;
   ++runs_;
-  bench_.wait(pause);
-  found_.duration += pause;
+  bench_.wait(rules::pause);
+  found_.duration += rules::pause;
 }
 
 namespace {
@@ -324,12 +280,12 @@ double find_amplitude_for(double inertia, double damping, double friction, doubl
 }  // namespace
 
 void Experiments::measure_inertia() {
-  constexpr int periods = 4;
+  constexpr int periods = rules::inertia_periods;
   const double largest = options_.current_share * limits_.largest_current;
   refit();
   double velocity = seen_velocity_;
-  for (int round = 0; round < 8; ++round) {
-    velocity = std::min(growth * velocity, find_velocity_cap());
+  for (int round = 0; round < rules::inertia_rounds; ++round) {
+    velocity = std::min(rules::growth * velocity, find_velocity_cap());
     double inertia = inertia_guess_, damping = 0, friction = 0;
     if (found_.motion && found_.motion->inertia() > 0) {
       inertia = found_.motion->inertia();
@@ -337,8 +293,9 @@ void Experiments::measure_inertia() {
       friction = std::max(0.0, found_.motion->friction());
     }
     // At half the current the inertia is what counts; the frequency follows from it.
-    const double frequency = std::clamp(largest / (inertia * to_radians(velocity)), 2.0,
-                                        std::min(fastest_motion, 0.004 / limits_.shortest_period));
+    const double frequency =
+        std::clamp(largest / (inertia * to_radians(velocity)), find_slowest_inertia(limits_),
+                   find_fastest_motion(limits_));
     const double amplitude =
         find_amplitude_for(inertia, damping, friction, velocity, frequency, periods, largest);
     measure_motion("inertia", frequency, amplitude, periods);
@@ -349,10 +306,10 @@ void Experiments::measure_inertia() {
 }
 
 void Experiments::measure_friction() {
-  constexpr int periods = 2, repeats = 3;
+  constexpr int periods = rules::friction_periods;
   const double largest = options_.current_share * limits_.largest_current;
   const double frequency = options_.slow_frequency_hz;
-  for (int repeat = 0; repeat < repeats; ++repeat) {
+  for (int repeat = 0; repeat < rules::friction_repeats; ++repeat) {
     if (!found_.motion || !(found_.motion->inertia() > 0)) return;
     const double amplitude = find_amplitude_for(
         found_.motion->inertia(), std::max(0.0, found_.motion->damping()),

@@ -45,13 +45,8 @@ class Experiments {
   int groups_ = 0, runs_ = 0;
 };
 
-/// The frequencies of the sines [Hz]: whole periods in `samples`, so many of them that every phase
-/// of the sampling is met.
-std::vector<double> choose_frequencies(const BenchLimits& limits,
-                                       const IdentificationOptions& options);
-
 /// The largest speed that a current a sin(2 pi f t) brings a motor of (motion-1) to from rest
-/// within some periods [rad/s]. With fewer than four windows `motion` is of inertia alone.
+/// within some periods [rad/s].
 double find_peak_velocity(double inertia, double damping, double friction, double amplitude,
                           double frequency_hz, int periods);
 

@@ -20,6 +20,13 @@ std::complex<double> compute_held_slope(const HeldLag& lag, double frequency_hz,
   return (std::polar(1.0, -w * lag.tick * age) / response - 1.0) / lag.time_constant;
 }
 
+std::complex<double> compute_held_mean(const HeldLag& lag, double frequency_hz) {
+  const std::complex<double> jw(0, 2 * std::numbers::pi * frequency_hz);
+  const std::complex<double> hold = (1.0 - std::exp(-jw * lag.tick)) / (jw * lag.tick);
+  return hold * std::exp(-jw * lag.delay) / (1.0 + jw * lag.time_constant) /
+         compute_held_lag(lag, frequency_hz);
+}
+
 int find_acting_age(const HeldLag& lag) {
   return static_cast<int>(std::floor(lag.delay / lag.tick)) + 1;
 }

@@ -25,6 +25,11 @@ std::complex<double> compute_held_lag(const HeldLag& lag, double frequency_hz);
 /// frequency fold onto it, by up to a fifth of it.
 std::complex<double> compute_held_slope(const HeldLag& lag, double frequency_hz, int age);
 
+/// The sine of y itself, without the images of the held command, per that of its samples:
+///   Y_mean/Y = (1 - z^{-1})/(jwT) e^{-jwd}/(1 + jw/w_b)/(Y/U)                        (lag-4)
+/// A load that integrates y, as an inertia does, sees this one.
+std::complex<double> compute_held_mean(const HeldLag& lag, double frequency_hz);
+
 /// The age for an instant just before the tick's new command: n + 1.
 int find_acting_age(const HeldLag& lag);
 

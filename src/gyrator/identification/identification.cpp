@@ -108,16 +108,20 @@ void add_amplifier(Identification& found, double confidence) {
   found.parameters.push_back(delay);
 }
 
-// What another lag within its own interval would make of the inductance.
+// What the lag's own errors make of the inductance, by its slope.
 double find_lag_error(const Identification& found, const WindingOptions& options) {
   if (!found.amplifier) return 0;
   double sum = 0;
   for (const int unknown : {1, 2}) {
     WindingOptions moved = options;
-    const Estimate estimate = found.amplifier->fit.at(unknown);
-    (unknown == 1 ? moved.lag->time_constant : moved.lag->delay) += estimate.deviation;
+    const double deviation = found.amplifier->fit.at(unknown).deviation;
+    double& place = unknown == 1 ? moved.lag->time_constant : moved.lag->delay;
+    const double step = std::min(deviation, 0.01 * found.tick);
+    if (!(step > 0)) continue;
+    place += step;
     const auto fit = fit_winding(found.sines, found.windows, moved);
-    sum += std::pow(fit->fit.values[1] - found.winding->fit.values[1], 2);
+    const double change = fit->fit.values[1] - found.winding->fit.values[1];
+    sum += std::pow(change * deviation / step, 2);
   }
   return std::sqrt(sum);
 }
@@ -192,6 +196,7 @@ std::vector<std::string> find_disturbing_settings(const Bench& bench) {
 
 Identification identify(Bench& bench, const IdentificationOptions& options,
                         const ExperimentListener& listener) {
+  plan_identification(bench.limits(), options);  // refuses what cannot be
   Identification found;
   found.tick = bench.limits().shortest_period;
   found.position_quantum = bench.limits().position_quantum;
@@ -200,6 +205,9 @@ Identification identify(Bench& bench, const IdentificationOptions& options,
   experiments.find_amplitude();
   experiments.sweep_sines();
   found.amplifier = fit_amplifier(found.sines, found.tick);
+  const auto apparent =
+      found.amplifier ? found.amplifier : fit_apparent_amplifier(found.sines, found.tick);
+  if (apparent) found.lag = apparent->lag(found.tick);
   if (experiments.find_motion()) {
     experiments.measure_inertia();
     experiments.measure_friction();
@@ -207,7 +215,7 @@ Identification identify(Bench& bench, const IdentificationOptions& options,
   quiet.put_back();
 
   WindingOptions winding;
-  if (found.amplifier) winding.lag = found.amplifier->lag(found.tick);
+  winding.lag = found.lag;
   winding.motion = found.motion;
   winding.position_quantum = found.position_quantum;
   winding.temperature_coefficient = options.temperature_coefficient;

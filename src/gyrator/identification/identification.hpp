@@ -23,12 +23,21 @@ struct IdentificationOptions {
   double slow_frequency_hz = 1;              ///< of the sines for friction
 };
 
-/// One experiment of a plan, or one that was run.
+/// One experiment that was run.
 struct Experiment {
-  std::string purpose;  ///< "amplitude", "winding and amplifier", "inertia", "friction"
+  std::string purpose;  ///< "amplitude", "winding and amplifier", "motion", "inertia", "friction"
   Excitation excitation;
   CaptureRequest capture;
-  bool amplitude_follows = false;  ///< in a plan: the amplitude is the largest that it may become
+};
+
+/// Experiments to come; their amplitudes and frequencies follow from one another.
+struct PlannedStep {
+  std::string purpose;  ///< as of the experiments
+  DriveMode mode = DriveMode::current;
+  double lowest_hz = 0, highest_hz = 0;  ///< of the sines
+  double smallest = 0, largest = 0;      ///< amplitude [A or V]
+  int runs = 0;                          ///< at most
+  double duration = 0;                   ///< of all together, at most [s]
 };
 
 /// A value with its interval, by the model file's name.
@@ -51,6 +60,7 @@ struct Identification {
   std::vector<SineMeasurement> sines;
   std::vector<MotionWindow> windows;
   std::optional<AmplifierFit> amplifier;
+  std::optional<HeldLag> lag;  ///< the amplifier's, or the apparent one
   std::optional<MotionFit> motion;
   std::optional<WindingFit> winding;
 
@@ -60,10 +70,9 @@ struct Identification {
 /// Called before each experiment.
 using ExperimentListener = std::function<void(const Experiment&)>;
 
-/// The experiments in their order, with the largest amplitudes that they may come to. Throws
-/// bad_input for a bench that offers neither current nor sines.
-std::vector<Experiment> plan_identification(const BenchLimits& limits,
-                                            const IdentificationOptions& options);
+/// The experiments in their order. Throws bad_input for a bench that plays no sines of current.
+std::vector<PlannedStep> plan_identification(const BenchLimits& limits,
+                                             const IdentificationOptions& options);
 
 /// The settings that are switched off for it: cancellation, damping circuit, back-EMF feedback.
 std::vector<std::string> find_disturbing_settings(const Bench& bench);

@@ -17,19 +17,23 @@ struct Weights {
   std::vector<double> mean, rate, curvature;
 };
 
+// Scaled so that the sums, too, are exact for uniform acceleration.
 Weights build_weights(int intervals, double period) {
-  const double length = intervals * period, q = std::numbers::pi / length;
+  const double q = std::numbers::pi / intervals;
   Weights weights;
-  double total = 0;
+  double mean = 0, rate = 0, curvature = 0;
   for (int k = 0; k <= intervals; ++k) {
-    const double s = std::sin(q * k * period), c = std::cos(q * k * period);
+    const double s = std::sin(q * k), c = std::cos(q * k), t = (k - intervals / 2.0) * period;
     weights.mean.push_back(s * s * s * s);
-    weights.rate.push_back(4 * q * s * s * s * c);
-    weights.curvature.push_back(4 * q * q * s * s * (3 * c * c - s * s));
-    total += weights.mean.back();
+    weights.rate.push_back(s * s * s * c);
+    weights.curvature.push_back(s * s * (3 * c * c - s * s));
+    mean += weights.mean.back();
+    rate -= weights.rate.back() * t;
+    curvature += weights.curvature.back() * t * t / 2;
   }
-  for (auto* list : {&weights.mean, &weights.rate, &weights.curvature})
-    for (double& weight : *list) weight /= total;
+  for (double& weight : weights.mean) weight /= mean;
+  for (double& weight : weights.rate) weight /= rate;
+  for (double& weight : weights.curvature) weight /= curvature;
   return weights;
 }
 

@@ -68,6 +68,13 @@ void add_sine_equations(std::vector<Equation>& equations, const SineMeasurement&
   add([](std::complex<double> z) { return z.imag(); });
 }
 
+double find_mean_current(const MotionWindow& window, const std::optional<HeldLag>& lag) {
+  if (!lag || !(window.frequency_hz > 0)) return window.current;
+  const std::complex<double> mean = compute_held_mean(*lag, window.frequency_hz);
+  return mean.real() * window.current +
+         mean.imag() * window.current_rate / to_radians(window.frequency_hz);
+}
+
 // What of (lag-3) the voltage's samples hold: the slope per jw turns by its phase into the current.
 double find_sampled_rate(const MotionWindow& window, const WindingOptions& options, int age) {
   if (!options.lag || !(window.frequency_hz > 0)) return window.current_rate;
@@ -108,13 +115,15 @@ double find_misfit(const std::vector<Equation>& equations, const Eigen::VectorXd
 
 }  // namespace
 
-MotionFit fit_motion(std::span<const MotionWindow> windows) {
+MotionFit fit_motion(std::span<const MotionWindow> windows, const std::optional<HeldLag>& lag) {
   std::vector<Equation> equations;
   for (const MotionWindow& window : windows) {
     if (window.direction == 0) continue;
     Equation equation;
     equation.x = Eigen::Vector4d(window.acceleration, window.velocity, window.direction, 1);
-    equation.y = window.current;
+    equation.y = find_mean_current(window, lag);
+    // The faster the run, the more the encoder's steps are worth in current.
+    equation.family = window.run;
     equation.group = window.group;
     equations.push_back(equation);
   }

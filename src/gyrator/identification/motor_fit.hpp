@@ -23,10 +23,12 @@ struct MotionFit {
 
 /// Least squares over the windows that slide, of
 ///   i = (J/K) dw/dt + (b/K) w + (f_c/K) sgn w + i_0                                  (motion-1)
-/// i_0 is the current sensor's offset and any torque that does not turn with the motion. The noise
-/// is the current's: what stands right of it is known from the encoder.
-/// Throws numerical for too few windows.
-MotionFit fit_motion(std::span<const MotionWindow> windows);
+/// i is the current's mean, which differs from its samples by (lag-4) where the lag is known. i_0
+/// is the current sensor's offset and any torque that does not turn with the motion. The noise is
+/// the current's: what stands right of it is known from the encoder. Throws numerical for too few
+/// windows.
+MotionFit fit_motion(std::span<const MotionWindow> windows,
+                     const std::optional<HeldLag>& lag = std::nullopt);
 
 /// The speed of the sine that the current drives through inertia, viscous and dry friction, whose
 /// own sine is 4 f_c/pi against it (describing function),

@@ -14,6 +14,7 @@ struct Phasor {
 /// One sine played to steady state, and what the signals held of it.
 struct SineMeasurement {
   double frequency_hz = 0;
+  std::complex<double> played;     ///< what was asked of the generator [A or V]
   std::optional<Phasor> command;   ///< [A or V]; none: not captured
   Phasor current;                  ///< [A]
   std::optional<Phasor> voltage;   ///< [V]
