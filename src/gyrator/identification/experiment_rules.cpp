@@ -77,8 +77,17 @@ SineTiming find_sine_timing(const BenchLimits& limits, double frequency_hz) {
   const double stretch =
       std::ceil(rules::least_periods / (frequency_hz * timing.capture.samples * tick) - 1e-9);
   timing.capture.period = tick * std::max(stretch, 1.0);
-  timing.duration = timing.capture.start + (timing.capture.samples + 2) * timing.capture.period;
+  timing.duration =
+      round_duration(timing.capture.start + (timing.capture.samples + 2) * timing.capture.period);
   return timing;
+}
+
+double round_duration(double seconds) {
+  return std::ceil(seconds * 100 - 1e-6) / 100;
+}
+
+double round_frequency(double frequency_hz) {
+  return std::round(frequency_hz * 100) / 100;
 }
 
 double find_fastest_motion(const BenchLimits& limits) {
@@ -122,10 +131,11 @@ std::vector<PlannedStep> plan_identification(const BenchLimits& limits,
   add("motion", slowest, frequencies.front(), runs, duration);
   runs = 2 * rules::inertia_rounds;
   add("inertia", find_slowest_inertia(limits), find_fastest_motion(limits), runs,
-      runs * (rules::inertia_periods / find_slowest_inertia(limits) + rules::pause));
+      runs *
+          (round_duration(rules::inertia_periods / find_slowest_inertia(limits)) + rules::pause));
   runs = 2 * rules::friction_repeats;
   add("friction", options.slow_frequency_hz, options.slow_frequency_hz, runs,
-      runs * (rules::friction_periods / options.slow_frequency_hz + rules::pause));
+      runs * (round_duration(rules::friction_periods / options.slow_frequency_hz) + rules::pause));
   return plan;
 }
 

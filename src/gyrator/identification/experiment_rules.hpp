@@ -45,6 +45,11 @@ struct SineTiming {
 };
 SineTiming find_sine_timing(const BenchLimits& limits, double frequency_hz);
 
+/// Registers are whole numbers of milliseconds and hundredths of a hertz, or finer: up to the next
+/// 10 ms [s], and to the nearest hundredth [Hz].
+double round_duration(double seconds);
+double round_frequency(double frequency_hz);
+
 /// Sines that move the motor for its inertia: above it a window has too few samples [Hz].
 double find_fastest_motion(const BenchLimits& limits);
 double find_slowest_inertia(const BenchLimits& limits);

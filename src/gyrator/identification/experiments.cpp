@@ -193,7 +193,7 @@ bool Experiments::find_motion() {
     if (amplitude < 0.95 * largest)
       amplitude = std::min(rules::growth * amplitude, limit_amplitude(frequency, largest));
     else
-      frequency /= 2;
+      frequency = round_frequency(frequency / 2);
     if (frequency < std::max(rules::slowest_frequency, limits_.lowest_frequency_hz)) return false;
     sine = measure_sine("motion", frequency, limit_amplitude(frequency, amplitude));
   }
@@ -229,7 +229,7 @@ void Experiments::measure_motion(const std::string& purpose, double frequency_hz
                                  int periods) {
   Experiment experiment;
   experiment.purpose = purpose;
-  const double duration = periods / frequency_hz;
+  const double duration = round_duration(periods / frequency_hz);
   const double shortest = limits_.shortest_period;
   experiment.capture.period =
       shortest * std::max(1.0, std::ceil(duration / (limits_.most_samples * shortest) - 1e-9));
@@ -294,8 +294,8 @@ void Experiments::measure_inertia() {
     }
     // At half the current the inertia is what counts; the frequency follows from it.
     const double frequency =
-        std::clamp(largest / (inertia * to_radians(velocity)), find_slowest_inertia(limits_),
-                   find_fastest_motion(limits_));
+        round_frequency(std::clamp(largest / (inertia * to_radians(velocity)),
+                                   find_slowest_inertia(limits_), find_fastest_motion(limits_)));
     const double amplitude =
         find_amplitude_for(inertia, damping, friction, velocity, frequency, periods, largest);
     measure_motion("inertia", frequency, amplitude, periods);

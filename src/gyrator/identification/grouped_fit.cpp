@@ -81,17 +81,20 @@ GroupedFit build_jackknife(const Eigen::VectorXd& all,
   GroupedFit fit;
   fit.values = all;
   fit.groups = static_cast<int>(without.size());
+  // As many values as groups leave no errors to see.
+  const auto unknowns = static_cast<double>(all.size());
+  const double share = (groups - 1) / groups * groups / std::max(groups - unknowns, 1.0);
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(all.size());
   for (const Eigen::VectorXd& values : without) mean += values / groups;
   fit.covariance = Eigen::MatrixXd::Zero(all.size(), all.size());
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(all.size());
   for (const Eigen::VectorXd& values : without) {
     const Eigen::VectorXd off = values - mean;
-    fit.covariance += (groups - 1) / groups * off * off.transpose();
+    fit.covariance += share * off * off.transpose();
     squares += off.cwiseAbs2().cwiseAbs2();
   }
   for (Eigen::Index i = 0; i < all.size(); ++i) {
-    const double sum = fit.covariance(i, i) * groups / (groups - 1);
+    const double sum = fit.covariance(i, i) / share;
     const double degrees = squares[i] > 0 ? 3 * sum * sum / squares[i] - 1 : groups - 1;
     fit.degrees.push_back(std::clamp(degrees, 1.0, groups - 1));
   }

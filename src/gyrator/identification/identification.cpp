@@ -187,6 +187,13 @@ const IdentifiedParameter& Identification::find(const std::string& name) const {
   throw Error(ErrorCode::bad_input, "identification", "no parameter named " + name);
 }
 
+bool is_slow(const MotionWindow& window, const Identification& found) {
+  const auto slowest = std::min_element(
+      found.windows.begin(), found.windows.end(),
+      [](const auto& a, const auto& b) { return a.frequency_hz < b.frequency_hz; });
+  return window.frequency_hz <= slowest->frequency_hz;
+}
+
 std::vector<std::string> find_disturbing_settings(const Bench& bench) {
   std::vector<std::string> names;
   for (const char* name : disturbing)
@@ -220,6 +227,7 @@ Identification identify(Bench& bench, const IdentificationOptions& options,
   winding.position_quantum = found.position_quantum;
   winding.temperature_coefficient = options.temperature_coefficient;
   found.winding = fit_winding(found.sines, found.windows, winding);
+  found.winding_options = winding;
   double sum = 0;
   for (const SineMeasurement& sine : found.sines) sum += sine.temperature;
   found.winding_temperature = sum / static_cast<double>(found.sines.size());

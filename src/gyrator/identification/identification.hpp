@@ -63,9 +63,13 @@ struct Identification {
   std::optional<HeldLag> lag;  ///< the amplifier's, or the apparent one
   std::optional<MotionFit> motion;
   std::optional<WindingFit> winding;
+  WindingOptions winding_options;  ///< that it was fitted with
 
   const IdentifiedParameter& find(const std::string& name) const;
 };
+
+/// Whether a window is of the slow sines for friction.
+bool is_slow(const MotionWindow& window, const Identification& found);
 
 /// Called before each experiment.
 using ExperimentListener = std::function<void(const Experiment&)>;

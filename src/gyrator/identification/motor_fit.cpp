@@ -41,23 +41,32 @@ std::optional<Phasor> find_position_velocity(const SineMeasurement& sine, double
   return Phasor{sine.position->value * std::complex<double>(0, w), w * deviation};
 }
 
-void add_sine_equations(std::vector<Equation>& equations, const SineMeasurement& sine,
-                        const WindingOptions& options, int age, double impedance, double constant) {
+// I, dI/dt and W of (winding-1), the first as warm as the winding.
+struct SineTerms {
+  std::complex<double> in_phase, slope, velocity;
+  double deviation = 0;  // of the velocity
+};
+
+SineTerms find_terms(const SineMeasurement& sine, const WindingOptions& options, int age) {
   const Phasor velocity = choose_velocity(sine, options);
-  const double w = to_radians(sine.frequency_hz);
   const std::complex<double> slope = options.lag
                                          ? compute_held_slope(*options.lag, sine.frequency_hz, age)
-                                         : std::complex<double>(0, w);
+                                         : std::complex<double>(0, to_radians(sine.frequency_hz));
   const double warm =
       1 + options.temperature_coefficient * (sine.temperature - reference_temperature);
-  const std::complex<double> in_phase = warm * sine.current.value;
-  const std::complex<double> across = slope * sine.current.value;
+  return {warm * sine.current.value, slope * sine.current.value, velocity.value,
+          velocity.deviation};
+}
+
+void add_sine_equations(std::vector<Equation>& equations, const SineMeasurement& sine,
+                        const WindingOptions& options, int age, double impedance, double constant) {
+  const SineTerms terms = find_terms(sine, options, age);
   const double deviation =
       std::sqrt(std::norm(sine.voltage->deviation) + std::norm(impedance * sine.current.deviation) +
-                std::norm(constant * velocity.deviation));
+                std::norm(constant * terms.deviation));
   const auto add = [&](auto part) {
     Equation equation;
-    equation.x = Eigen::Vector4d(part(in_phase), part(across), part(velocity.value), 0);
+    equation.x = Eigen::Vector4d(part(terms.in_phase), part(terms.slope), part(terms.velocity), 0);
     equation.y = part(sine.voltage->value);
     equation.deviation = std::max(deviation, 1e-12);
     equation.family = 0;
@@ -66,13 +75,6 @@ void add_sine_equations(std::vector<Equation>& equations, const SineMeasurement&
   };
   add([](std::complex<double> z) { return z.real(); });
   add([](std::complex<double> z) { return z.imag(); });
-}
-
-double find_mean_current(const MotionWindow& window, const std::optional<HeldLag>& lag) {
-  if (!lag || !(window.frequency_hz > 0)) return window.current;
-  const std::complex<double> mean = compute_held_mean(*lag, window.frequency_hz);
-  return mean.real() * window.current +
-         mean.imag() * window.current_rate / to_radians(window.frequency_hz);
 }
 
 // What of (lag-3) the voltage's samples hold: the slope per jw turns by its phase into the current.
@@ -115,6 +117,13 @@ double find_misfit(const std::vector<Equation>& equations, const Eigen::VectorXd
 
 }  // namespace
 
+double find_mean_current(const MotionWindow& window, const std::optional<HeldLag>& lag) {
+  if (!lag || !(window.frequency_hz > 0)) return window.current;
+  const std::complex<double> mean = compute_held_mean(*lag, window.frequency_hz);
+  return mean.real() * window.current +
+         mean.imag() * window.current_rate / to_radians(window.frequency_hz);
+}
+
 MotionFit fit_motion(std::span<const MotionWindow> windows, const std::optional<HeldLag>& lag) {
   std::vector<Equation> equations;
   for (const MotionWindow& window : windows) {
@@ -141,6 +150,13 @@ std::complex<double> compute_sine_velocity(const MotionFit& motion, std::complex
   const double p = a * a + b * b;
   const double speed = (-b * f + std::sqrt(b * b * f * f + p * (size * size - f * f))) / p;
   return current / std::complex<double>(b + f / speed, a);
+}
+
+std::complex<double> compute_terminal_voltage(const SineMeasurement& sine, const WindingFit& fit,
+                                              const WindingOptions& options) {
+  const SineTerms terms = find_terms(sine, options, fit.age);
+  const Eigen::VectorXd& p = fit.fit.values;
+  return p[0] * terms.in_phase + p[1] * terms.slope + p[2] * terms.velocity;
 }
 
 Phasor choose_velocity(const SineMeasurement& sine, const WindingOptions& options) {

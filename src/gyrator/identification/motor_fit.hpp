@@ -62,6 +62,13 @@ std::optional<WindingFit> fit_winding(std::span<const SineMeasurement> sines,
                                       std::span<const MotionWindow> windows,
                                       const WindingOptions& options);
 
+/// The right side of (winding-1) for a sine [V].
+std::complex<double> compute_terminal_voltage(const SineMeasurement& sine, const WindingFit& fit,
+                                              const WindingOptions& options);
+
+/// The mean of (lag-4) of a window's current [A].
+double find_mean_current(const MotionWindow& window, const std::optional<HeldLag>& lag);
+
 /// The velocity that fit_winding takes, with its deviation.
 Phasor choose_velocity(const SineMeasurement& sine, const WindingOptions& options);
 

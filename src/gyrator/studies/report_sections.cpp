@@ -6,10 +6,11 @@
 #include "gyrator/plots/pretty_text.hpp"
 #include "gyrator/studies/envelope_result.hpp"
 #include "gyrator/studies/environment_result.hpp"
+#include "gyrator/studies/identification_result.hpp"
 #include "gyrator/studies/result_fields.hpp"
 #include "gyrator/studies/result_figures.hpp"
-#include "gyrator/studies/two_port_section.hpp"
 #include "gyrator/studies/tuning_result.hpp"
+#include "gyrator/studies/two_port_section.hpp"
 #include "gyrator/studies/workspace_result.hpp"
 
 #include <algorithm>
@@ -368,6 +369,7 @@ struct SectionMaker {
 constexpr auto makers =
     std::to_array<SectionMaker>({{"compare", compare_section, no_sentence},
                                  {"environment", environment_section, environment_sentence},
+                                 {"identify", identification_section, identification_sentence},
                                  {"impedance", impedance_section, no_sentence},
                                  {"passivity", passivity_section, passivity_sentence},
                                  {"simulate", simulate_section, simulate_sentence},

@@ -3,6 +3,7 @@
 #include "gyrator/core/error.hpp"
 #include "gyrator/studies/envelope_result.hpp"
 #include "gyrator/studies/environment_result.hpp"
+#include "gyrator/studies/identification_result.hpp"
 #include "gyrator/studies/result_fields.hpp"
 #include "gyrator/studies/tuning_result.hpp"
 #include "gyrator/studies/workspace_result.hpp"
@@ -178,6 +179,7 @@ struct FigureMaker {
 };
 constexpr auto figure_makers = std::to_array<FigureMaker>({{"compare", comparison_figure},
                                                            {"environment", environment_figure},
+                                                           {"identify", identification_figure},
                                                            {"impedance", impedance_figure},
                                                            {"passivity", passivity_figure},
                                                            {"simulate", simulate_figure},
