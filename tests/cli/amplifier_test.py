@@ -1,12 +1,16 @@
 """backup, diff and restore against an amplifier of pymodbus, and what goes wrong on the way."""
+import fcntl
 import json
 import os
+import random
 import socket
+import subprocess
 import threading
+import time
 import unittest
 
 from peer import PROFILE, Peer
-from program import ProgramTest, ROOT, with_value
+from program import ProgramTest, ROOT, program, with_value
 
 
 class AmplifierTest(ProgramTest):
@@ -125,6 +129,29 @@ class SettingsTest(AmplifierTest):
         self.assertEqual((answer.code, answer.json["state"]), (0, "safe"), answer)
         self.assertEqual(self.run_program("diff", before, *self.device(peer)).code, 0)
 
+    def test_killed_at_any_moment_it_is_put_back_from_the_journal(self):
+        peer = self.peer("--turnaround", 0.01)
+        before = self.backup(peer)
+        wanted = self.changed_backup(before, current_limit=[1500], damping_resistance=[30], damping_capacitance=[47],
+                                     cancellation_resistance=[700, 0], back_emf_damping=[0, 1500])
+        draw = random.Random(20)
+        for i in range(8):
+            journal = self.folder / f"journal{i}"
+            process = subprocess.Popen([program(), "restore", wanted, *self.device(peer), "--apply"],
+                                       cwd=self.folder, env={**self.environment, "XDG_STATE_HOME": str(journal)},
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            time.sleep(draw.uniform(0.05, 0.4))
+            process.kill()
+            process.wait()
+            for path in journal.glob("gyrator/*.jsonl"):
+                if not path.read_bytes().startswith(b'{"backup"'):
+                    continue  # not even begun: nothing was written
+                answer = self.run_program("restore", "--journal", path, "--apply")
+                self.assertEqual(answer.code, 0, answer)
+            answer = self.run_program("diff", before, *self.device(peer))
+            self.assertEqual(answer.code, 0, answer)
+        self.assertGreater(len([w for w in peer.writes() if w["register"] == "current_limit"]), 2)
+
     def test_what_is_persistent_needs_a_word_of_its_own(self):
         peer = self.peer()
         wanted = self.changed_backup(self.backup(peer), label=[7])
@@ -180,7 +207,7 @@ class DeviceFailureTest(AmplifierTest):
                             peer.url, code=4)
 
     def test_what_the_device_refuses_is_named_and_the_rest_is_kept(self):
-        name = self.write_profile("/registers/19/address", 500)
+        name = self.write_profile("/link/retries", 1)
         profile = json.loads((self.folder / name).read_text())
         profile["registers"].append({"name": "ghost", "address": 204, "type": "u16"})
         (self.folder / name).write_text(json.dumps(profile))
@@ -198,15 +225,17 @@ class DeviceFailureTest(AmplifierTest):
             self.assert_refused(self.run_program("backup", "--connect", free, "--profile", "integer_drive"), free,
                                 code=4)
             silent.listen()
-            threading.Thread(target=lambda: silent.accept(), daemon=True).start()
+            taken = []
+            threading.Thread(target=lambda: taken.append(silent.accept()[0]), daemon=True).start()
             self.assert_refused(self.run_program("backup", "--connect", free, "--profile", "integer_drive",
                                                  "--timeout", "0.1s"), free, code=4)
+            for connection in taken:
+                connection.close()
 
     def test_two_writers_do_not_fight(self):
         peer = self.peer()
         before = self.backup(peer)
         port = peer.url.rsplit(":", 1)[1]
-        import fcntl
         with open(self.folder / f"gyrator-tcp___127.0.0.1_{port}_unit_7.lock", "w+", encoding="utf-8") as lock:
             lock.write("pid 4711\n")
             lock.flush()

@@ -380,6 +380,7 @@ class Amplifier(IModbusSlaveContext):
         return all(a in allowed for a in range(address, address + count))
 
     def getValues(self, fx, address, count=1):
+        time.sleep(self.p.turnaround)
         table = self.TABLES[fx]
         state = self.registers[self.profile["capture"]["state"]]
         if table == state.table and address <= state.address < address + count and self.armed and self.began is not None:
@@ -389,6 +390,7 @@ class Amplifier(IModbusSlaveContext):
         return [self.stores[table][address + i] for i in range(count)]
 
     def setValues(self, fx, address, values):
+        time.sleep(self.p.turnaround)
         table = self.TABLES[fx]
         self.follow_the_clock()
         words = [int(v) for v in values]
@@ -441,8 +443,6 @@ class Amplifier(IModbusSlaveContext):
             self.put(profile["capture"]["state"], self.state_names.get("armed", self.state_names[self.idle]))
         if name == profile["capture"].get("page", {}).get("register"):
             self.show_page(round(self.get(name)))
-        if not self.registers[name].readable:
-            self.put(name, 0)
 
 
 def read_arguments():
@@ -454,6 +454,7 @@ def read_arguments():
     parser.add_argument("--stuck", help="a register that ignores what is written to it")
     parser.add_argument("--start", action="append", default=[], help="NAME=VALUE that a register has at first")
     parser.add_argument("--no-watchdog", action="store_true")
+    parser.add_argument("--turnaround", type=float, default=0.0, help="before each answer [s]")
     for name, value in (("resistance", 1.5), ("inductance", 0.5e-3), ("torque_constant", 0.05), ("inertia", 2e-5),
                         ("damping", 1e-5), ("coulomb_friction", 1e-3), ("bandwidth", 1000.0), ("delay", 0.0),
                         ("winding_rise", 0.0), ("thermal_resistance", 8.0), ("thermal_capacity", 30.0),

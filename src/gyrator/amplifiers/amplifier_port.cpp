@@ -179,7 +179,7 @@ std::vector<std::string> AmplifierPort::read_faults() {
 }
 
 void AmplifierPort::clear_fault() {
-  if (profile_.fault && profile_.fault->clear) perform(*profile_.fault->clear);
+  if (profile_.fault && profile_.fault->clear) perform(*profile_.fault->clear, true);
 }
 
 double AmplifierPort::upper_limit(std::string_view name) const {

@@ -73,10 +73,12 @@ class AmplifierPort {
   std::vector<double> read_window(const DeviceRegister& first, int samples);
 
   void write(std::string_view name, double value);
-  /// A content that was read before, word by word; its own bits, of a bit field.
-  void write_content(const SettingValue& content);
-  /// A write that makes something happen: it always goes out, and is not read back.
-  void perform(const DeviceAction& action);
+  /// A content word by word; its own bits, of a bit field. What this session has read itself
+  /// (`was_there`) is put back whatever the limits are.
+  void write_content(const SettingValue& content, bool was_there = false);
+  /// A write that makes something happen: it always goes out, and is not read back. Where doing it
+  /// twice is as good as once (`repeatable`), it goes out again if its answer is lost.
+  void perform(const DeviceAction& action, bool repeatable = false);
   /// Makes the device keep its settings over a power cycle; needs `persist`.
   void keep_settings();
 
@@ -100,6 +102,7 @@ class AmplifierPort {
   struct SafeResult {
     DeviceState state = DeviceState::safe;
     std::vector<std::string> failed;  ///< what could not be done, and why
+    bool answers = true;              ///< to the last request
   };
   /// Drive off first, then the generator, then every register's safe value, each read back; tries
   /// over new connections for safe_patience. Never throws; a Ctrl-C meanwhile ends the process.
@@ -116,7 +119,8 @@ class AmplifierPort {
   RawValue check_value(const DeviceRegister& place, double value) const;
   void check_access(const DeviceRegister& place) const;
   void write_raw(const DeviceRegister& place, const RawValue& raw);
-  void send_until_known(const DeviceRegister& place, const Words& before, const Words& after);
+  void send_until_known(const DeviceRegister& place, const Words& before, const Words& after,
+                        bool can_look, bool repeatable = false);
   void verify(const DeviceRegister& place, const Words& wanted);
   void reconnect_patiently(std::chrono::steady_clock::time_point until);
   void make_safe_step(const DeviceRegister& place, double value, bool can_verify,

@@ -14,6 +14,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
+constexpr double look_again = 0.05;    // [s]
 constexpr double shortest_nap = 0.02;  // [s], between looks at Ctrl-C
 
 double seconds_since(steady_clock::time_point begin) {
@@ -110,8 +111,8 @@ void AmplifierPort::make_safe_step(const DeviceRegister& place, double value, bo
                                         describe_value(place, value), place.describe_place(),
                                         reason));
   };
-  if (!result.failed.empty() && steady_clock::now() >= until)
-    return fail("not tried any more: the time for it is over");
+  if (!result.answers && steady_clock::now() >= until)
+    return fail("not tried any more: the device does not answer");
   std::string reason;
   constexpr int most_disobedience = 5;  // of a device that answers and does otherwise
   for (int disobeyed = 0; disobeyed < most_disobedience;) {
@@ -120,23 +121,30 @@ void AmplifierPort::make_safe_step(const DeviceRegister& place, double value, bo
       const RawValue raw = to_raw(place, value);
       if (can_verify || place.bits) base = read_from_device(place);
       const Words wanted = put_raw(place, raw, base);
-      if (can_verify && wanted == base) return;
+      if (can_verify && wanted == base) {
+        result.answers = true;
+        return;
+      }
       if (journal_ != nullptr)
         journal_->note({{"write", place.name}, {"new", wanted}, {"safe", true}});
       send_words(place, wanted);
+      result.answers = true;
       if (!can_verify) return;
       sleep_for(place.settle);
-      if (read_from_device(place) == wanted) return;
+      if (take_value(place, read_from_device(place)).pattern == take_value(place, wanted).pattern)
+        return;
       reason = "it does not keep what is written to it";
       ++disobeyed;
     } catch (const LinkError& error) {
       reason = error.what();
-      if (error.fault() == LinkFault::exception) ++disobeyed;
-      if (steady_clock::now() >= until) break;
-      sleep_for(0.05);
+      const bool answers =
+          error.fault() == LinkFault::exception || error.fault() == LinkFault::garbled;
+      if (answers) ++disobeyed;
+      result.answers = answers;
+      if (!answers && steady_clock::now() >= until) break;
+      sleep_for(look_again);
       if (error.fault() != LinkFault::exception) link_.disconnect();
     }
-    if (steady_clock::now() >= until) break;
   }
   fail(reason);
 }

@@ -44,7 +44,7 @@ LinkOptions make_link_options(const DeviceProfile& profile) {
 }
 
 std::vector<SettingChange> put_back(AmplifierPort& port, const SettingsBackup& backup,
-                                    bool may_enable) {
+                                    bool may_enable, bool was_there) {
   const DeviceProfile& profile = port.profile();
   std::vector<SettingChange> changes =
       order_safely(compare_settings(profile, port.read_settings(), backup));
@@ -61,12 +61,12 @@ std::vector<SettingChange> put_back(AmplifierPort& port, const SettingsBackup& b
     const bool comes_back = was != nullptr && was->pattern != 0 && may_enable;
     if (comes_back) {
       for (const SettingChange& change : changes)
-        if (change.place != enable) port.write_content(*change.after);
+        if (change.place != enable) port.write_content(*change.after, was_there);
       port.write(enable->name, 1);
       return changes;
     }
   }
-  for (const SettingChange& change : changes) port.write_content(*change.after);
+  for (const SettingChange& change : changes) port.write_content(*change.after, was_there);
   return changes;
 }
 
@@ -133,8 +133,8 @@ SessionEnd AmplifierSession::restore() {
     ended_ = true;
     return end;
   }
-  if (profile_.excitation) port_->perform(profile_.excitation->stop);
-  put_back(*port_, backup_, true);
+  if (profile_.excitation) port_->perform(profile_.excitation->stop, true);
+  put_back(*port_, backup_, true, true);
   finish(end.state, true);
   return end;
 }
@@ -156,7 +156,7 @@ SessionEnd AmplifierSession::abandon() noexcept {
     end.state = safe.state;
     end.failed = std::move(safe.failed);
     if (end.state == DeviceState::safe) {
-      put_back(*port_, backup_, false);
+      put_back(*port_, backup_, false, true);
       if (!compare_settings(profile_, port_->read_settings(), backup_).empty()) {
         end.failed.emplace_back(
             "the drive was on before and is off now; all else is as it was, or could not be read");

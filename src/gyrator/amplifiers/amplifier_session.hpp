@@ -83,8 +83,9 @@ class AmplifierSession {
 };
 
 /// Writes what differs between the device and a backup, the drive off first; `enable` is switched
-/// on again only if `may_enable`. Returns what was (or is planned to be) changed.
+/// on again only if `may_enable`. `was_there`: as of AmplifierPort::write_content. Returns what was
+/// (or is planned to be) changed.
 std::vector<SettingChange> put_back(AmplifierPort& port, const SettingsBackup& backup,
-                                    bool may_enable);
+                                    bool may_enable, bool was_there = false);
 
 }  // namespace gyrator

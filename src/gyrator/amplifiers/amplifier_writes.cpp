@@ -58,11 +58,11 @@ void AmplifierPort::write(std::string_view name, double value) {
   write_raw(place, check_value(place, value));
 }
 
-void AmplifierPort::write_content(const SettingValue& content) {
+void AmplifierPort::write_content(const SettingValue& content, bool was_there) {
   const DeviceRegister& place = profile_.at(content.name);
   check_access(place);
   // What the device had may lie off the step, but never beyond the limits.
-  if (content.value) {
+  if (content.value && !was_there) {
     DeviceRegister without_step = place;
     without_step.step.reset();
     check_value(without_step, *content.value);
@@ -87,7 +87,7 @@ void AmplifierPort::write_raw(const DeviceRegister& place, const RawValue& raw) 
     return;
   }
   if (journal_ != nullptr) journal_->intend(place, before, after);
-  send_until_known(place, before, after);
+  send_until_known(place, before, after, place.readable);
   ++statistics_.written;
   if (place.readable) verify(place, after);
   if (journal_ != nullptr) journal_->note({{"done", place.name}});
@@ -117,7 +117,7 @@ void AmplifierPort::reconnect_patiently(steady_clock::time_point until) {
 
 // After this the write has arrived, or an error tells that it has not or that nobody knows.
 void AmplifierPort::send_until_known(const DeviceRegister& place, const Words& before,
-                                     const Words& after) {
+                                     const Words& after, bool can_look, bool repeatable) {
   const auto until =
       steady_clock::now() + std::chrono::duration_cast<steady_clock::duration>(
                                 std::chrono::duration<double>(options_.safe_patience));
@@ -125,19 +125,21 @@ void AmplifierPort::send_until_known(const DeviceRegister& place, const Words& b
     try {
       return send_words(place, after);
     } catch (const LinkError& error) {
+      // "Acknowledge": it is being done, and takes its time.
+      if (error.exception() == ModbusException::acknowledge) return;
       const bool is_busy = error.exception() == ModbusException::device_busy;
       const bool is_refused = error.fault() == LinkFault::exception && !is_busy;
       if (is_refused || sent >= most_sends) throw;
       const bool never_left = error.fault() == LinkFault::refused || is_busy;
-      if (!never_left && !place.readable) {
+      if (!never_left && !can_look && !repeatable) {
         throw LinkError(error.fault(), error.place(),
-                        error.message() + ": whether the write has arrived is unknown, and " +
-                            place.name + " cannot be read back",
+                        error.message() + ": whether the write of " + place.name +
+                            " has arrived is unknown, and reading does not tell",
                         error.exception());
       }
       if (error.fault() != LinkFault::exception) reconnect_patiently(until);
       if (is_busy) sleep_for(profile_.link.backoff);
-      if (never_left) continue;
+      if (never_left || !can_look) continue;
       // Until the register tells, nobody knows whether it has arrived.
       sleep_for(place.settle);
       const Words now = read_from_device(place);
@@ -165,7 +167,7 @@ void AmplifierPort::verify(const DeviceRegister& place, const Words& wanted) {
                           describe_content(place, asked), describe_content(place, found)));
 }
 
-void AmplifierPort::perform(const DeviceAction& action) {
+void AmplifierPort::perform(const DeviceAction& action, bool repeatable) {
   const DeviceRegister& place = profile_.at(action.register_name);
   check_access(place);
   Words base(static_cast<std::size_t>(place.words()));
@@ -173,7 +175,7 @@ void AmplifierPort::perform(const DeviceAction& action) {
   const Words after = put_raw(place, check_value(place, action.value), base);
   if (!options_.apply) return;
   if (journal_ != nullptr) journal_->intend(place, {}, after);
-  send_words(place, after);
+  send_until_known(place, {}, after, false, repeatable);
   ++statistics_.written;
   if (journal_ != nullptr) journal_->note({{"done", place.name}});
 }

@@ -224,7 +224,7 @@ bool ModbusBench::look() {
 
 void ModbusBench::play(const Excitation& excitation, const CaptureRequest& request) {
   set_up(excitation, request);
-  port_.perform(capture_.arm);
+  port_.perform(capture_.arm, true);
   if (has_setting("enable")) port_.write("enable", 1);
   port_.perform(excitation_.start);
   const double longest = request.start + request.period * request.samples + patience;
@@ -246,7 +246,7 @@ void ModbusBench::switch_off() {
   try {
     if (!interrupt_requested()) {
       if (has_setting("enable")) port_.write("enable", 0);
-      port_.perform(excitation_.stop);
+      port_.perform(excitation_.stop, true);
       return;
     }
   } catch (const Error&) {  // below with more patience
@@ -262,6 +262,10 @@ void ModbusBench::switch_off() {
 
 Capture ModbusBench::run(const Excitation& excitation, const CaptureRequest& request) {
   check_request(excitation, request);
+  if (!port_.options().apply) {
+    throw Error(ErrorCode::device, describe(excitation),
+                "refused: an excitation moves the motor, which needs --apply");
+  }
   check_faults("before the excitation");
   Capture capture;
   capture.start = request.start;

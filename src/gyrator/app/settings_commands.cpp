@@ -147,7 +147,8 @@ void run_restore(const SettingsOptions& options) {
   const bool apply = options.device.apply;
   const auto session = open_session(std::move(task.setup));
   AmplifierPort& port = session->port();
-  if (apply && session->profile().excitation) port.perform(session->profile().excitation->stop);
+  if (apply && session->profile().excitation)
+    port.perform(session->profile().excitation->stop, true);
   const std::vector<SettingChange> plan = put_back(port, task.backup, true);
   SessionEnd end = apply ? session->keep() : session->restore();
   const bool by_journal = !options.device.journal.empty();

@@ -28,6 +28,7 @@ struct TuneOptions {
   DeviceOptions device;
   std::string circuit = "rc";
   std::string margin = "1.2", cancellation, most_cancellation = "0.85", current, watch;
+  std::string from = "3 Hz", to = "400 Hz", points = "10";
   std::string tuned_model;
 };
 
@@ -57,6 +58,16 @@ TuningOptions make_tuning_options(const TuneOptions& options) {
     if (!(tuning.current > 0))
       throw Error(ErrorCode::bad_input, "--current", options.current + ": must be above 0 A");
   }
+  tuning.lowest_hz = parse_option("--from", options.from, dimension::frequency);
+  tuning.highest_hz = parse_option("--to", options.to, dimension::frequency);
+  if (!(tuning.lowest_hz > 0 && tuning.highest_hz > tuning.lowest_hz))
+    throw Error(ErrorCode::bad_input, "--from, --to",
+                fmt::format("{} to {}: must rise, from above 0 Hz", options.from, options.to));
+  const double points = parse_option("--points", options.points, dimension::none);
+  tuning.frequencies = static_cast<int>(points);
+  if (!(points >= 4 && points <= 100) || tuning.frequencies != points)
+    throw Error(ErrorCode::bad_input, "--points",
+                options.points + ": must be a whole number from 4 to 100");
   if (!options.watch.empty()) {
     tuning.watch = parse_option("--watch", options.watch, dimension::time);
     if (!(tuning.watch >= 0))
@@ -269,6 +280,13 @@ void add_tune_command(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--current", options->current,
                       "Amplitude of the measuring sines; by default a fifth of the current limit");
+  command->add_option("--from", options->from, "Lowest of the measuring sines")
+      ->capture_default_str();
+  command
+      ->add_option("--to", options->to,
+                   "Highest of them; beyond it the model stands for the measurement")
+      ->capture_default_str();
+  command->add_option("--points", options->points, "How many of them")->capture_default_str();
   command->add_option("--watch", options->watch,
                       "Afterwards follow the winding as it warms for this time: \"60 s\"");
   command

@@ -122,8 +122,8 @@ void open_lines(const Options& options, ModbusServer& server, const SerialAddres
 
 void run_twin(const Options& options) {
   const Model model = load_model(options.model);
-  const DeviceProfile profile = load_device_profile(options.profile);
   const TwinDevice twin = make_device(options, model);
+  const DeviceProfile profile = load_device_profile(options.profile);
   const TwinMoods moods =
       options.misbehave.empty() ? TwinMoods{} : parse_twin_moods(options.misbehave);
   TwinTiming timing;

@@ -1,5 +1,7 @@
 #include "gyrator/cosim/classification.hpp"
 
+#include "gyrator/cosim/motion_cycles.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -29,14 +31,8 @@ double half_swing(std::span<const double> values) {
   return (range.high - range.low) / 2;
 }
 
-// One oscillation between two upward crossings of the middle value [samples].
-struct Cycle {
-  double start = 0, end = 0;
-  double swing = 0;
-};
-
-std::vector<Cycle> find_cycles(std::span<const double> velocity) {
-  std::vector<Cycle> cycles;
+std::vector<MotionCycle> find_cycles(std::span<const double> velocity) {
+  std::vector<MotionCycle> cycles;
   if (velocity.size() < 3) return cycles;
   const Range range = find_range(velocity);
   const double middle = (range.low + range.high) / 2;
@@ -61,24 +57,28 @@ struct Growth {
   double factor = 0;
   double error = 0;  ///< standard error of ln factor, from the scatter around the line
 };
-Growth find_growth(const std::vector<Cycle>& cycles, double time) {
+Growth find_growth(std::span<const MotionCycle> cycles, double time) {
   double mean_start = 0;
   double mean_log = 0;
-  for (const Cycle& cycle : cycles) {
+  std::vector<double> logs;
+  logs.reserve(cycles.size());
+  for (const MotionCycle& cycle : cycles) {
     if (!(cycle.swing > 0)) return {};
+    logs.push_back(std::log(cycle.swing));
     mean_start += cycle.start / static_cast<double>(cycles.size());
-    mean_log += std::log(cycle.swing) / static_cast<double>(cycles.size());
+    mean_log += logs.back() / static_cast<double>(cycles.size());
   }
   double product = 0;
   double square = 0;
-  for (const Cycle& cycle : cycles) {
-    product += (cycle.start - mean_start) * (std::log(cycle.swing) - mean_log);
-    square += (cycle.start - mean_start) * (cycle.start - mean_start);
+  for (std::size_t i = 0; i < cycles.size(); ++i) {
+    const double since = cycles[i].start - mean_start;
+    product += since * (logs[i] - mean_log);
+    square += since * since;
   }
   const double slope = product / square;
   double scatter = 0;
-  for (const Cycle& cycle : cycles) {
-    const double off = std::log(cycle.swing) - mean_log - slope * (cycle.start - mean_start);
+  for (std::size_t i = 0; i < cycles.size(); ++i) {
+    const double off = logs[i] - mean_log - slope * (cycles[i].start - mean_start);
     scatter += off * off;
   }
   const double freedom = std::max(1.0, static_cast<double>(cycles.size()) - 2);
@@ -121,20 +121,20 @@ std::string_view name_of(Outcome outcome) {
   return "diverges";
 }
 
-std::optional<Classification> classify_oscillation(const LateMotion& motion, double period,
-                                                   const ClassificationOptions& options) {
-  const std::vector<Cycle> cycles = find_cycles(motion.velocity);
+std::optional<Classification> classify_cycles(std::span<const MotionCycle> cycles,
+                                              const RunSizes& sizes, double period,
+                                              const ClassificationOptions& options) {
   if (cycles.size() < fewest_cycles) return std::nullopt;
-  const Growth growth = find_growth(cycles, static_cast<double>(motion.samples) / 6);
+  const Growth growth = find_growth(cycles, static_cast<double>(sizes.samples) / 6);
   Classification c;
   c.growth = growth.factor;
-  c.amplitude = half_swing(motion.position);
+  c.amplitude = sizes.amplitude;
   c.frequency_hz =
       static_cast<double>(cycles.size()) / ((cycles.back().end - cycles.front().start) * period);
   // Whether growth stands out from the scatter of the cycles.
   const bool known =
       !(growth.factor > 0) || std::abs(std::log(growth.factor)) > certain * growth.error;
-  const bool rests = motion.last_swing <= options.rest_fraction * motion.largest_swing;
+  const bool rests = sizes.last_swing <= options.rest_fraction * sizes.largest_swing;
   if (rests || (known && c.growth < 1 / options.growth_limit)) {
     c.outcome = Outcome::settles;
   } else {
@@ -147,25 +147,24 @@ Classification classify(const std::vector<double>& position, const std::vector<d
                         double period, bool stopped_early, const ClassificationOptions& options) {
   const std::span<const double> all(velocity);
   const std::size_t third = velocity.size() / 3;
-  LateMotion motion{std::span(position).last(third), all.last(third), velocity.size(),
-                    half_swing(all), half_swing(all.last(third / 2))};
+  const RunSizes sizes{velocity.size(), half_swing(all), half_swing(all.last(third / 2)),
+                       half_swing(std::span(position).last(third))};
   Classification c;
   for (const std::size_t window : {third, 2 * third, velocity.size()}) {
-    motion.velocity = all.last(window);
-    if (const auto found = classify_oscillation(motion, period, options)) {
+    if (const auto found = classify_cycles(find_cycles(all.last(window)), sizes, period, options)) {
       c = *found;
       if (stopped_early) c.outcome = Outcome::diverges;
       return c;
     }
   }
-  c.amplitude = half_swing(motion.position);
+  c.amplitude = sizes.amplitude;
   c.growth = find_steady_growth(all);
   // A single bounce that takes a third of the run and more is no rest: its size tells.
   const double first_third = half_swing(all.first(third));
   const double last_third = half_swing(all.last(third));
-  if (c.growth == 0 && first_third > 0 && last_third > motion.largest_swing / 2)
+  if (c.growth == 0 && first_third > 0 && last_third > sizes.largest_swing / 2)
     c.growth = std::sqrt(last_third / first_third);
-  const bool rests = motion.last_swing <= options.rest_fraction * motion.largest_swing;
+  const bool rests = sizes.last_swing <= options.rest_fraction * sizes.largest_swing;
   if (stopped_early || (!rests && c.growth > options.growth_limit)) c.outcome = Outcome::diverges;
   return c;
 }

@@ -38,19 +38,6 @@ struct Classification {
   double frequency_hz = 0;  ///< from velocity sign changes in the last third; 0 without any
 };
 
-/// The end of a run, with what is known of all of it.
-struct LateMotion {
-  std::span<const double> position;  ///< last third
-  std::span<const double> velocity;  ///< last third, or more
-  std::size_t samples = 0;           ///< of the whole run
-  double largest_swing = 0;          ///< half the peak-to-peak velocity of the whole run
-  double last_swing = 0;             ///< the same of its last sixth
-};
-
-/// classify() of a run with two cycles or more in `motion.velocity`; none for any other.
-std::optional<Classification> classify_oscillation(const LateMotion& motion, double period,
-                                                   const ClassificationOptions& options);
-
 /// `position` and `velocity` at equal spacing `period` [s]; `stopped_early` when the run was
 /// stopped because it had grown out of all bounds.
 Classification classify(const std::vector<double>& position, const std::vector<double>& velocity,

@@ -21,11 +21,26 @@ LaneKernel find_kernel(LaneInstructions instructions, const LaneProgram& program
   return lane_baseline::find_kernel(program);
 }
 
+LaneCrossingsFinder find_crossings_finder(LaneInstructions instructions) {
+#if defined(__x86_64__)
+  if (instructions == LaneInstructions::avx512) return lane_avx512::find_crossings;
+  if (instructions == LaneInstructions::avx2) return lane_avx2::find_crossings;
+#else
+  (void)instructions;
+#endif
+  return lane_baseline::find_crossings;
+}
+
 // Which coordinate of the state a signal is; -1 where it is none.
 int find_coordinate(const Eigen::RowVectorXd& row) {
   Eigen::Index at = 0;
   if (row.cwiseAbs().maxCoeff(&at) != 1 || row(at) != 1) return -1;
   return (row.array() != 0).count() == 1 ? static_cast<int>(at) : -1;
+}
+
+// Of a third of the rows: each second one at most.
+std::size_t most_crossings(long rows) {
+  return static_cast<std::size_t>(rows / 3 / 2 + 1);
 }
 
 bool is_difference(const DiscreteStateSpace& law) {
@@ -39,9 +54,12 @@ LaneBlock::LaneBlock(const LaneScene& scene, const LaneDesign& example,
     : scene_(scene) {
   prepare_scene(scene);
   const long rows = program_.samples + 1;
-  program_.first_position = kept == Positions::all ? 0 : std::min(rows - rows / 3, rows - 1);
+  program_.last_third = rows - rows / 3;
+  program_.last_sixth = rows - rows / 3 / 2;
+  program_.first_position = kept == Positions::all ? 0 : std::min(program_.last_third, rows - 1);
   prepare_program(example);
   kernel_ = find_kernel(instructions, program_);
+  find_crossings_ = find_crossings_finder(instructions);
   const auto n = static_cast<std::size_t>(program_.states);
   const auto m = static_cast<std::size_t>(program_.law_states);
   constexpr auto lanes = static_cast<std::size_t>(lanes_per_block);
@@ -57,6 +75,12 @@ LaneBlock::LaneBlock(const LaneScene& scene, const LaneDesign& example,
   // The kernel writes the rows before the first over one another: there is always one.
   position_.assign(static_cast<std::size_t>(std::max(1L, rows - program_.first_position)) * lanes,
                    0);
+  if (kept == Positions::all) return;
+  low_.assign(lane_stretches * lanes, 0);
+  high_.assign(lane_stretches * lanes, 0);
+  middle_.assign(lanes, 0);
+  crossing_.assign(most_crossings(rows) * lanes, 0);
+  swing_.assign(most_crossings(rows) * lanes, 0);
 }
 
 // What follows from sensor, clock and gesture alone.
@@ -187,24 +211,46 @@ void LaneBlock::run(std::span<const LaneDesign> designs) {
   std::fill(reference_.begin(), reference_.end(), 0);
   kernel_(program_, {propagate_.data(), signals_.data(), law_.data(), pushing_.data()},
           {xi_.data(), law_state_.data(), commands_.data(), reference_.data()},
-          {position_.data(), velocity_.data(), ends_.data(), end_rows_.data()});
+          {position_.data(), velocity_.data(), ends_.data(), end_rows_.data(),
+           low_.empty() ? nullptr : low_.data(), low_.empty() ? nullptr : high_.data()});
 }
 
-std::array<double, lanes_per_block> LaneBlock::half_swings(long from, long to) const {
-  std::array<double, lanes_per_block> low, high;
-  low.fill(infinity);
-  high.fill(-infinity);
-  for (long row = from; row < to; ++row) {
-    const double* v = velocity_.data() + row * lanes_per_block;
-    for (std::size_t lane = 0; lane < lanes_per_block; ++lane) {
-      low[lane] = v[lane] < low[lane] ? v[lane] : low[lane];
-      high[lane] = v[lane] > high[lane] ? v[lane] : high[lane];
-    }
+LaneBlock::Range LaneBlock::range(LaneStretch stretch, int lane) const {
+  const auto at =
+      static_cast<std::size_t>(stretch) * lanes_per_block + static_cast<std::size_t>(lane);
+  return {low_[at], high_[at]};
+}
+
+RunSizes LaneBlock::sizes(int lane) const {
+  const Range early = range(LaneStretch::early, lane);
+  const Range before_last = range(LaneStretch::before_last, lane);
+  const Range last = range(LaneStretch::last, lane);
+  const Range position = range(LaneStretch::position, lane);
+  const double high = std::max({early.high, before_last.high, last.high});
+  const double low = std::min({early.low, before_last.low, last.low});
+  return {static_cast<std::size_t>(program_.samples + 1), (high - low) / 2,
+          (last.high - last.low) / 2, (position.high - position.low) / 2};
+}
+
+void LaneBlock::find_cycles(const std::array<bool, lanes_per_block>& wanted) {
+  for (int lane = 0; lane < lanes_per_block; ++lane) {
+    const Range before_last = range(LaneStretch::before_last, lane);
+    const Range last = range(LaneStretch::last, lane);
+    middle_[static_cast<std::size_t>(lane)] =
+        (std::min(before_last.low, last.low) + std::max(before_last.high, last.high)) / 2;
   }
-  std::array<double, lanes_per_block> half;
-  for (std::size_t lane = 0; lane < lanes_per_block; ++lane)
-    half[lane] = (high[lane] - low[lane]) / 2;
-  return half;
+  const std::size_t most = most_crossings(program_.samples + 1);
+  std::array<long, lanes_per_block> counts{};
+  find_crossings_(program_, velocity_.data(),
+                  {middle_.data(), wanted.data(), static_cast<long>(most), crossing_.data(),
+                   swing_.data(), counts.data()});
+  for (std::size_t lane = 0; lane < lanes_per_block; ++lane) {
+    cycles_[lane].clear();
+    const double* crossing = crossing_.data() + lane * most;
+    for (long i = 0; i + 1 < counts[lane]; ++i)
+      cycles_[lane].push_back(
+          {crossing[i], crossing[i + 1], swing_[lane * most + static_cast<std::size_t>(i)]});
+  }
 }
 
 }  // namespace gyrator

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "gyrator/cosim/motion_cycles.hpp"
 #include "gyrator/lanes/lane_program.hpp"
 #include "gyrator/lanes/lane_runs.hpp"
 
@@ -34,10 +35,22 @@ class LaneBlock {
   double velocity(long row, int lane) const {
     return velocity_[static_cast<std::size_t>(row * lanes_per_block + lane)];
   }
-  /// Half the peak-to-peak velocity of each lane over rows [from, to).
-  std::array<double, lanes_per_block> half_swings(long from, long to) const;
+
+  /// Of a block whose positions are kept for the last third. Sizes of the run of each lane that
+  /// ran through.
+  RunSizes sizes(int lane) const;
+  /// Cycles in the last third of lanes `wanted`, that ran through.
+  void find_cycles(const std::array<bool, lanes_per_block>& wanted);
+  std::span<const MotionCycle> cycles(int lane) const {
+    return cycles_[static_cast<std::size_t>(lane)];
+  }
 
  private:
+  struct Range {
+    double low, high;
+  };
+  Range range(LaneStretch stretch, int lane) const;
+
   using Numbers = std::vector<double, boost::alignment::aligned_allocator<double, 64>>;
 
   void prepare_scene(const LaneScene& scene);
@@ -50,9 +63,12 @@ class LaneBlock {
   const LaneScene& scene_;
   LaneProgram program_;
   LaneKernel kernel_;
+  LaneCrossingsFinder find_crossings_;
   const LanePlant* loaded_ = nullptr;  // that all lanes share
   Numbers propagate_, signals_, law_, pushing_, xi_, law_state_, commands_, reference_;
   Numbers position_, velocity_;
+  Numbers low_, high_, middle_, crossing_, swing_;
+  std::array<std::vector<MotionCycle>, lanes_per_block> cycles_;
   std::vector<double> noise_, efforts_;
   std::array<LaneEnd, lanes_per_block> ends_{};
   std::array<long, lanes_per_block> end_rows_{};

@@ -14,11 +14,12 @@ inline constexpr long samples_between_looks = 16;
 /// What all lanes of a run have in common.
 struct LaneProgram {
   int states = 0, law_states = 0;
-  bool shared_plant = false;       ///< `propagate` holds one number per entry, for all lanes
-  bool law_is_difference = false;  ///< q' = y: one law state, the last sample
-  long samples = 0;                ///< steps; one more row is recorded than there are steps
-  long first_position = 0;         ///< row from which positions are kept
-  int whole_delay = 0;             ///< m of a delay m T + rest
+  bool shared_plant = false;            ///< `propagate` holds one number per entry, for all lanes
+  bool law_is_difference = false;       ///< q' = y: one law state, the last sample
+  long samples = 0;                     ///< steps; one more row is recorded than there are steps
+  long first_position = 0;              ///< row from which positions are kept
+  long last_third = 0, last_sixth = 0;  ///< rows with which these begin
+  int whole_delay = 0;                  ///< m of a delay m T + rest
   bool split = false;  ///< rest > 0: the command before the last still acts on the first part
   double quantum = 0;  ///< of the sensor; 0 for none
   double offset = 0;   ///< of the sensor
@@ -52,6 +53,11 @@ struct LaneState {
 
 enum class LaneEnd : unsigned char { ran_through, ran_away };
 
+/// Stretches of a run of which the smallest and the largest value are kept: velocities before the
+/// last third, in its first half and in its second, positions in the last third.
+enum class LaneStretch { early, before_last, last, position };
+inline constexpr int lane_stretches = 4;
+
 /// Rows of [sample][lane], of positions from `first_position` on, and how each lane has ended and
 /// in which row.
 struct LaneTraces {
@@ -59,20 +65,38 @@ struct LaneTraces {
   double* velocity;
   LaneEnd* end;
   long* rows;
+  double* low;   ///< [stretch][lane]; infinite for a stretch without samples; none: not wanted
+  double* high;  ///< the same, -infinite
+};
+
+/// Where velocities cross their middle value upwards in the last third of a run, per lane.
+struct LaneCrossings {
+  const double* middle;
+  const bool* wanted;
+  long most;         ///< crossings that there is room for, half the samples of the third and one
+  double* crossing;  ///< [lane][i], samples after the beginning of the third
+  double* swing;     ///< [lane][i], half peak-to-peak velocity from crossing i to i + 1
+  long* count;       ///< crossings of each lane
 };
 
 /// Advances a block from its state at t = 0 to the end, or until every lane has run away.
 using LaneKernel = void (*)(const LaneProgram&, const LaneCoefficients&, const LaneState&,
                             const LaneTraces&);
+/// Of a block that has run.
+using LaneCrossingsFinder = void (*)(const LaneProgram&, const double* velocity,
+                                     const LaneCrossings&);
 
 namespace lane_baseline {
 LaneKernel find_kernel(const LaneProgram& program);
-}
+void find_crossings(const LaneProgram& program, const double* velocity, const LaneCrossings& to);
+}  // namespace lane_baseline
 namespace lane_avx2 {
 LaneKernel find_kernel(const LaneProgram& program);
-}
+void find_crossings(const LaneProgram& program, const double* velocity, const LaneCrossings& to);
+}  // namespace lane_avx2
 namespace lane_avx512 {
 LaneKernel find_kernel(const LaneProgram& program);
-}
+void find_crossings(const LaneProgram& program, const double* velocity, const LaneCrossings& to);
+}  // namespace lane_avx512
 
 }  // namespace gyrator

@@ -4,6 +4,7 @@
 #include "gyrator/lanes/lane_block.hpp"
 
 #include <algorithm>
+#include <array>
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
@@ -19,25 +20,26 @@ struct Worker {
   std::vector<double> position, velocity;
 };
 
-// The rows of a lane from `first` on, at the end of `to`.
-void copy_velocity(const LaneBlock& block, int lane, long first, std::vector<double>& to) {
-  for (std::size_t row = static_cast<std::size_t>(first); row < to.size(); ++row)
-    to[row] = block.velocity(static_cast<long>(row), lane);
+// The whole run of a lane; of positions, the last third.
+Classification classify_whole(Worker& worker, int lane, const LaneScene& scene) {
+  const long rows = worker.block.rows(lane);
+  worker.position.resize(static_cast<std::size_t>(rows));
+  worker.velocity.resize(static_cast<std::size_t>(rows));
+  for (long row = 0; row < rows; ++row)
+    worker.velocity[static_cast<std::size_t>(row)] = worker.block.velocity(row, lane);
+  for (long row = rows - rows / 3; row < rows; ++row)
+    worker.position[static_cast<std::size_t>(row)] = worker.block.position(row, lane);
+  return classify(worker.position, worker.velocity, scene.sampling.period.to_double(), false,
+                  scene.options.classification);
 }
 
 // As classify(), most of whose work is not needed where a lane ran away or came to rest.
 void classify_block(Worker& worker, std::size_t size, const LaneScene& scene, Classification* to) {
-  const LaneBlock& block = worker.block;
+  LaneBlock& block = worker.block;
   const ClassificationOptions& options = scene.options.classification;
   const double period = scene.sampling.period.to_double();
-  const long rows = floor_divide(scene.options.duration, scene.sampling.period) + 1;
-  const auto count = static_cast<std::size_t>(rows);
-  const std::size_t third = count / 3;
-  const long last_third = rows - rows / 3;
-  const auto largest = block.half_swings(0, rows);
-  const auto late = block.half_swings(rows - rows / 3 / 2, rows);
-  worker.position.resize(count);
-  worker.velocity.resize(count);
+  std::array<bool, lanes_per_block> goes_on{};
+  std::array<RunSizes, lanes_per_block> sizes{};
   for (std::size_t i = 0; i < size; ++i) {
     const int lane = static_cast<int>(i);
     to[i] = {};
@@ -45,18 +47,15 @@ void classify_block(Worker& worker, std::size_t size, const LaneScene& scene, Cl
       to[i].outcome = Outcome::diverges;
       continue;
     }
-    if (late[i] <= options.rest_fraction * largest[i]) continue;  // settles
-    copy_velocity(block, lane, last_third, worker.velocity);
-    for (long row = last_third; row < rows; ++row)
-      worker.position[static_cast<std::size_t>(row)] = block.position(row, lane);
-    const LateMotion motion{std::span(worker.position).last(third),
-                            std::span(worker.velocity).last(third), count, largest[i], late[i]};
-    if (const auto found = classify_oscillation(motion, period, options)) {
-      to[i] = *found;
-      continue;
-    }
-    copy_velocity(block, lane, 0, worker.velocity);
-    to[i] = classify(worker.position, worker.velocity, period, false, options);
+    sizes[i] = block.sizes(lane);
+    goes_on[i] = sizes[i].last_swing > options.rest_fraction * sizes[i].largest_swing;
+  }
+  block.find_cycles(goes_on);
+  for (std::size_t i = 0; i < size; ++i) {
+    if (!goes_on[i]) continue;
+    const int lane = static_cast<int>(i);
+    const auto found = classify_cycles(block.cycles(lane), sizes[i], period, options);
+    to[i] = found ? *found : classify_whole(worker, lane, scene);
   }
 }
 

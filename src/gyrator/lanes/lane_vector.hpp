@@ -47,6 +47,19 @@ inline Vector select(Mask mask, Vector yes, Vector no) {
   return mask ? yes : no;
 }
 
+// Bit i: lane i of the mask.
+inline unsigned bits_of(Mask mask) {
+#if defined(__AVX512F__)
+  return _mm512_movepi64_mask((__m512i)mask);
+#elif defined(__AVX2__)
+  return static_cast<unsigned>(_mm256_movemask_pd((__m256d)mask));
+#elif defined(__SSE2__)
+  return static_cast<unsigned>(_mm_movemask_pd((__m128d)mask));
+#else
+  return (mask[0] != 0 ? 1U : 0U) | (mask[1] != 0 ? 2U : 0U);
+#endif
+}
+
 // a b + c; with one rounding where the instruction set has it.
 inline Vector multiply_add(Vector a, Vector b, Vector c) {
 #if defined(__AVX512F__)

@@ -64,6 +64,7 @@ int parse_baud(std::string_view text, std::string_view value) {
   const auto& known = known_baud_rates();
   if (number && std::find(known.begin(), known.end(), *number) != known.end()) return *number;
   std::vector<std::string> rates;
+  rates.reserve(known.size());
   for (const int rate : known) rates.push_back(std::to_string(rate));
   refuse(text, fmt::format("baud={}: allowed: {}", value, join(rates)));
 }
@@ -110,7 +111,8 @@ SerialAddress parse_serial(std::string_view text, std::string_view rest) {
 }  // namespace
 
 LinkAddress parse_link_address(std::string_view text) {
-  constexpr std::string_view tcp = "tcp://", rtu = "rtu://";
+  constexpr std::string_view tcp = "tcp://";
+  constexpr std::string_view rtu = "rtu://";
   if (text.starts_with(tcp)) return parse_tcp(text, text.substr(tcp.size()));
   if (text.starts_with(rtu)) return parse_serial(text, text.substr(rtu.size()));
   refuse(text, grammar);
@@ -135,7 +137,8 @@ double compute_character_time(const SerialAddress& line) {
 
 double compute_frame_gap(const SerialAddress& line) {
   constexpr int last_counted_in_characters = 19200;
-  constexpr double fixed_gap = 1.75e-3, characters = 3.5;
+  constexpr double fixed_gap = 1.75e-3;
+  constexpr double characters = 3.5;
   return line.baud > last_counted_in_characters ? fixed_gap
                                                 : characters * compute_character_time(line);
 }

@@ -55,6 +55,16 @@ class Stopwatch {
   Clock::time_point begin_ = Clock::now();
 };
 
+void sleep(double seconds, const std::string& place) {
+  constexpr double longest_nap = 0.05;  // [s], so that Ctrl-C is heard
+  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+  while (Clock::now() < end) {
+    throw_if_interrupted(place);
+    const std::chrono::duration<double> left = end - Clock::now();
+    std::this_thread::sleep_for(std::min(left, std::chrono::duration<double>(longest_nap)));
+  }
+}
+
 }  // namespace
 
 LinkConnection::LinkConnection(LinkAddress address, LinkOptions options)
@@ -70,16 +80,6 @@ LinkConnection::LinkConnection(LinkAddress address, LinkOptions options)
   }
   throw_if_interrupted(name_);
   if (const auto refused = open(name_)) throw LinkError(*refused);
-}
-
-void LinkConnection::sleep(double seconds, const std::string& place) const {
-  constexpr double longest_nap = 0.05;  // [s], so that Ctrl-C is heard
-  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
-  while (Clock::now() < end) {
-    throw_if_interrupted(place);
-    const std::chrono::duration<double> left = end - Clock::now();
-    std::this_thread::sleep_for(std::min(left, std::chrono::duration<double>(longest_nap)));
-  }
 }
 
 std::optional<LinkError> LinkConnection::open(const std::string& place) {
@@ -154,7 +154,8 @@ LinkConnection::Outcome LinkConnection::fail(const LinkRequest& request, LinkFau
 }
 
 ByteSpan LinkConnection::pdu_of(ByteSpan frame) const {
-  constexpr std::size_t unit_bytes = 1, crc_bytes = 2;
+  constexpr std::size_t unit_bytes = 1;
+  constexpr std::size_t crc_bytes = 2;
   return serial_ ? frame.subspan(unit_bytes, frame.size() - unit_bytes - crc_bytes)
                  : frame.subspan(tcp_header_bytes);
 }
@@ -162,7 +163,8 @@ ByteSpan LinkConnection::pdu_of(ByteSpan frame) const {
 /// What is wrong with a frame around the answer, which libmodbus does not look at; empty if all is
 /// well.
 std::string LinkConnection::find_frame_mistake(ByteSpan frame) const {
-  constexpr std::size_t shortest_serial = 4, shortest_tcp = tcp_header_bytes + 1;
+  constexpr std::size_t shortest_serial = 4;
+  constexpr std::size_t shortest_tcp = tcp_header_bytes + 1;
   if (frame.size() < (serial_ ? shortest_serial : shortest_tcp)) return "too short a frame";
   if (serial_)
     return frame[0] == options_.unit ? "" : fmt::format("an answer of unit {}", frame[0]);

@@ -62,7 +62,6 @@ class LinkConnection {
   std::string find_frame_mistake(ByteSpan frame) const;
   bool is_late_answer(const Received& received) const;
   ByteSpan pdu_of(ByteSpan frame) const;
-  void sleep(double seconds, const std::string& place) const;
 
   const LinkAddress address_;
   const LinkOptions options_;

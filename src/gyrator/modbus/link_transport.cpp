@@ -100,7 +100,8 @@ LinkTransport::LinkTransport(const LinkAddress& address, int unit, double respon
   // Before anything else: libmodbus ends the process over a serial request without a unit.
   if (::modbus_set_slave(context.get(), unit) != 0)
     throw Error(ErrorCode::bad_input, describe(address), fmt::format("unit {}: no such one", unit));
-  const auto response = split(response_timeout), byte = split(byte_timeout);
+  const auto response = split(response_timeout);
+  const auto byte = split(byte_timeout);
   ::modbus_set_response_timeout(context.get(), response.seconds, response.microseconds);
   ::modbus_set_byte_timeout(context.get(), byte.seconds, byte.microseconds);
   ::modbus_set_error_recovery(context.get(), MODBUS_ERROR_RECOVERY_NONE);

@@ -36,7 +36,8 @@ Addresses find_addresses(const std::string& host, std::uint16_t port, const std:
 }
 
 bool is_loopback(const addrinfo& address) {
-  constexpr std::uint32_t loopback_net = 127, net_shift = 24;
+  constexpr std::uint32_t loopback_net = 127;
+  constexpr std::uint32_t net_shift = 24;
   if (address.ai_family == AF_INET) {
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): the sockets' way of a variant
     const auto* ipv4 = reinterpret_cast<const sockaddr_in*>(address.ai_addr);

@@ -70,7 +70,9 @@ TcpHeader read_tcp_header(ByteSpan frame) {
 }
 
 std::optional<std::size_t> find_request_length(ByteSpan begin) {
-  constexpr std::size_t many_count_at = 5, mask_bytes = 7, exchange_count_at = 9;
+  constexpr std::size_t many_count_at = 5;
+  constexpr std::size_t mask_bytes = 7;
+  constexpr std::size_t exchange_count_at = 9;
   if (begin.empty()) return std::nullopt;
   const auto counted_at = [begin](std::size_t at) -> std::optional<std::size_t> {
     if (begin.size() <= at) return std::nullopt;

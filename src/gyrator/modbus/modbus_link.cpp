@@ -19,7 +19,8 @@ void check(bool fine, const std::string& place, const std::string& message) {
 
 void check_options(const std::string& place, const LinkAddress& address,
                    const LinkOptions& options) {
-  constexpr int last_unit = 247, tcp_device = 255;
+  constexpr int last_unit = 247;
+  constexpr int tcp_device = 255;
   constexpr double longest_time = 3600;  // [s]
   const bool tcp = std::holds_alternative<TcpAddress>(address);
   check((options.unit >= 1 && options.unit <= last_unit) ||
@@ -82,7 +83,8 @@ std::vector<bool> ModbusLink::read_bits(RegisterTable table, int address, int co
   check_range(*connection_, table, address, static_cast<std::size_t>(std::max(count, 0)));
   std::vector<bool> bits;
   for (int done = 0; done < count;) {
-    const int start = address + done, part = std::min(count - done, most_read_bits);
+    const int start = address + done;
+    const int part = std::min(count - done, most_read_bits);
     const Bytes answer =
         perform(*connection_, make_read_request(table, start, part), table, start, false);
     const auto read = read_bit_field(ByteSpan(answer).subspan(2), static_cast<std::size_t>(part));
@@ -97,7 +99,8 @@ std::vector<std::uint16_t> ModbusLink::read_registers(RegisterTable table, int a
   check_range(*connection_, table, address, static_cast<std::size_t>(std::max(count, 0)));
   std::vector<std::uint16_t> words;
   for (int done = 0; done < count;) {
-    const int start = address + done, part = std::min(count - done, options().max_read);
+    const int start = address + done;
+    const int part = std::min(count - done, options().max_read);
     const Bytes answer =
         perform(*connection_, make_read_request(table, start, part), table, start, false);
     for (std::size_t at = 2; at < answer.size(); at += 2) words.push_back(read_word(answer, at));

@@ -42,14 +42,14 @@ class LinkConnection;
 
 /// A connection to one Modbus device over TCP or a serial line (RTU); one request at a time.
 ///
-/// A read that fails is tried again `read_retries` times after growing waits; not after an exception
-/// other than device_busy and acknowledge. A write is sent once, whatever happens to it (LinkError).
-/// After any fault but an exception the next request goes over a new connection (TCP), or after
-/// `byte_timeout` of silence (serial line), so that nothing of one exchange gets into the next. An
-/// answer counts only with the request's own transaction number (TCP), unit and function, and with
-/// the length and the echo that belong to it; one that is known as an earlier request's is dropped.
-/// Over a serial line, where answers have no number, one that comes later than that silence cannot
-/// be known from the next: choose a `response_timeout` that the device keeps.
+/// A read that fails is tried again `read_retries` times after growing waits; not after an
+/// exception other than device_busy and acknowledge. A write is sent once, whatever happens to it
+/// (LinkError). After any fault but an exception the next request goes over a new connection (TCP),
+/// or after `byte_timeout` of silence (serial line), so that nothing of one exchange gets into the
+/// next. An answer counts only with the request's own transaction number (TCP), unit and function,
+/// and with the length and the echo that belong to it; one that is known as an earlier request's is
+/// dropped. Over a serial line, where answers have no number, one that comes later than that
+/// silence cannot be known from the next: choose a `response_timeout` that the device keeps.
 ///
 /// Every function throws LinkError with the address, unit and register as its place; bad_input for
 /// a count or an address that no device can have; interrupted, before anything is sent, once the

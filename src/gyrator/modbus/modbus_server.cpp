@@ -73,7 +73,8 @@ ModbusServer::Service::Service(RegisterBank& bank, ServerOptions options, Server
       hooks_(std::move(hooks)),
       stop_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
       serial_gap_(options.serial_frame_gap) {
-  constexpr int last_unit = 247, most_clients = 500;
+  constexpr int last_unit = 247;
+  constexpr int most_clients = 500;
   check(options.unit >= 1 && options.unit <= last_unit,
         fmt::format("unit {}: must be from 1 to {}", options.unit, last_unit));
   check(options.most_clients >= 1 && options.most_clients <= most_clients,

@@ -98,7 +98,8 @@ Bytes write_registers(Request request, RegisterBank& bank) {
 /// The register becomes (register and and_mask) or (or_mask and not and_mask).
 Bytes mask_write_register(Request request, RegisterBank& bank) {
   const int address = read_word(request, 1);
-  const unsigned and_mask = read_word(request, 3), or_mask = read_word(request, 5);
+  const unsigned and_mask = read_word(request, 3);
+  const unsigned or_mask = read_word(request, 5);
   const auto found = bank.read_registers(RegisterTable::holding, address, 1);
   if (const auto* refusal = std::get_if<Refusal>(&found)) return refuse(request, *refusal);
   const unsigned before = std::get<std::vector<std::uint16_t>>(found).front();

@@ -24,6 +24,8 @@ class RegisterBank {
   RegisterBank() = default;
   RegisterBank(const RegisterBank&) = delete;
   RegisterBank& operator=(const RegisterBank&) = delete;
+  RegisterBank(RegisterBank&&) = delete;
+  RegisterBank& operator=(RegisterBank&&) = delete;
   virtual ~RegisterBank() = default;
 
   /// Of coils or discrete inputs; `count` of them.

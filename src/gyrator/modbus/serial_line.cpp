@@ -82,6 +82,7 @@ void make_room_for(const fs::path& link) {
 const std::vector<int>& known_baud_rates() {
   static const std::vector<int> rates = [] {
     std::vector<int> found;
+    found.reserve(speeds.size());
     for (const Speed& speed : speeds) found.push_back(speed.baud);
     return found;
   }();
@@ -94,6 +95,7 @@ bool is_pseudo_terminal(const std::string& device) {
 }
 
 FileDescriptor open_serial_line(const SerialAddress& line) {
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-vararg): open() is one
   FileDescriptor port(::open(line.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!port.is_open()) fail(line.device, "cannot be opened");
   termios settings{};
@@ -109,6 +111,7 @@ PseudoTerminal::PseudoTerminal(fs::path link)
   if (!ours_.is_open() || ::grantpt(ours_.get()) != 0 || ::unlockpt(ours_.get()) != 0)
     fail("pseudo-terminal", "none could be had");
   name_ = terminal_name(ours_.get());
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-vararg)
   held_ = FileDescriptor(::open(name_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
   termios settings{};
   if (!held_.is_open() || ::tcgetattr(held_.get(), &settings) != 0) fail(name_, "cannot be opened");

@@ -16,7 +16,9 @@ ByteSpan first_of(const Bytes& bytes, std::size_t size) {
 }  // namespace
 
 std::optional<ServerRequest> TcpFrames::take() {
-  constexpr std::size_t before_length_counts = 6, shortest = 2, longest = longest_pdu + 1;
+  constexpr std::size_t before_length_counts = 6;
+  constexpr std::size_t shortest = 2;
+  constexpr std::size_t longest = longest_pdu + 1;
   if (broken_ || bytes_.size() < tcp_header_bytes) return std::nullopt;
   const TcpHeader header = read_tcp_header(bytes_);
   broken_ = header.protocol != 0 || header.length < shortest || header.length > longest;

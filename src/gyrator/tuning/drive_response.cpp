@@ -4,30 +4,24 @@
 #include <numbers>
 
 namespace gyrator {
-namespace {
 
-// A held value's fundamental per sample: sin(x)/x e^(-jx), x = w t/2.
-std::complex<double> hold(double omega, double tick) {
-  const double x = omega * tick / 2;
-  return x == 0 ? 1.0 : std::polar(std::sin(x) / x, -x);
-}
-
-}  // namespace
-
-DrivePoint find_drive_point(DriveMode mode, double torque_constant, double tick, const Tone& bare,
+DrivePoint find_drive_point(DriveMode mode, const Motor& motor, const Tone& bare,
                             const Tone& damped) {
   const double omega = 2 * std::numbers::pi * damped.frequency_hz;
+  const std::complex<double> back_emf = motor.torque_constant * damped.velocity.value;
   DrivePoint point;
   point.frequency_hz = damped.frequency_hz;
-  point.winding =
-      (damped.voltage.value - torque_constant * damped.velocity.value) / damped.current.value;
-  const bool is_current = mode == DriveMode::current;
-  const std::complex<double> held_gain =
-      (is_current ? bare.current.value : bare.voltage.value) / bare.command.value;
-  const std::complex<double> asked = held_gain * damped.command.value;
-  point.source = is_current ? (asked - damped.current.value) / damped.voltage.value
-                            : (asked - damped.voltage.value) / damped.current.value;
-  point.gain = held_gain / hold(omega, tick);
+  if (mode == DriveMode::current) {
+    point.gain = bare.current.value / bare.command.value;
+    point.winding = {motor.warm_resistance(), omega * motor.inductance};
+    point.source = (point.gain * damped.command.value - damped.current.value) /
+                   (point.winding * damped.current.value + back_emf);
+  } else {
+    point.gain = bare.voltage.value / bare.command.value;
+    point.winding = (damped.voltage.value - back_emf) / damped.current.value;
+    point.source =
+        (point.gain * damped.command.value - damped.voltage.value) / damped.current.value;
+  }
   return point;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "gyrator/amplifiers/experiment.hpp"
+#include "gyrator/circuits/drive.hpp"
 #include "gyrator/identification/sine_measurement.hpp"
 
 #include <complex>
@@ -12,13 +13,14 @@ namespace gyrator {
 /// excitation's begin for all of them.
 struct Tone {
   double frequency_hz = 0;
-  Phasor command;   ///< of the generator's values, before they are held [A or V]
-  Phasor current;   ///< in the winding [A]
-  Phasor voltage;   ///< at the motor's terminals [V]
-  Phasor velocity;  ///< [rad/s, m/s]
+  double duration = 0;  ///< that it took [s]
+  Phasor command;       ///< of the generator's values, before they are held [A or V]
+  Phasor current;       ///< in the winding [A]
+  Phasor voltage;       ///< at the motor's terminals [V]
+  Phasor velocity;      ///< [rad/s, m/s]
 };
 
-/// What the motor sees of the drive at one frequency, its command u held from tick to tick:
+/// What the motor sees of the drive at one frequency:
 ///   current mode   i = G u - Y v      G without unit, Y [S]                          (tune-1)
 ///   voltage mode   v = G u - Z i      G without unit, Z [ohm]                        (tune-2)
 /// and the winding v - K_t w = (R + jwL) i.
@@ -29,10 +31,11 @@ struct DrivePoint {
   std::complex<double> winding;  ///< R + jwL [ohm]
 };
 
-/// From two sines of one frequency: `bare`, with all damping switched off, where Y or Z is zero
-/// (the amplifier is taken to be a stiff source by itself), and `damped`. `tick` [s] is how long
-/// the generator holds a value: G is what the amplifier makes of a command that is not held.
-DrivePoint find_drive_point(DriveMode mode, double torque_constant, double tick, const Tone& bare,
+/// From two sines of one frequency, free of images (remove_step_images): `bare`, with all damping
+/// switched off, where Y or Z is zero (the amplifier is taken to be a stiff source by itself), and
+/// `damped`. In current mode v is (R + jwL) i + K_t w with the motor's warm resistance and its
+/// inductance, less disturbed than the sampled voltage; in voltage mode the winding is measured.
+DrivePoint find_drive_point(DriveMode mode, const Motor& motor, const Tone& bare,
                             const Tone& damped);
 
 /// The drive's share of the port (docs/tuning.md):

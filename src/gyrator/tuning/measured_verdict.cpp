@@ -91,7 +91,6 @@ class Judge {
     wall_ = {wall.stiffness, wall.damping};
     velocity_ = make_wall_law({0, 1, wall.velocity}, period_);
     gain_ = find_amplifier_gain(model.device);
-    K_t_ = model.device.drive.motor->torque_constant;
   }
 
   MeasuredVerdict judge(std::uint64_t seed, int draws) {
@@ -130,6 +129,8 @@ class Judge {
   }
 
  private:
+  const Motor& motor() const { return *model_.device.drive.motor; }
+
   [[noreturn]] static void refuse(const std::string& place, const std::string& message) {
     throw Error(ErrorCode::bad_input, place, message);
   }
@@ -144,7 +145,7 @@ class Judge {
       refuse("sensor/location", "a measured drive is judged with its position sensed");
     if (!std::holds_alternative<VirtualWall>(model_.controller.law))
       refuse("controller/kind", "only a virtual_wall can be judged on a measured drive");
-    const auto& [mode, tick, delay, bare, damped] = measurement_;
+    const auto& [mode, delay, bare, damped] = measurement_;
     if (bare.size() != damped.size() || bare.size() < fewest_frequencies)
       refuse("measurement", fmt::format("{} and {} frequencies: as many of both, and at least {}",
                                         bare.size(), damped.size(), fewest_frequencies));
@@ -152,8 +153,8 @@ class Judge {
 
   // Z_e and A of a measured frequency, the delay taken out.
   DrivePort drive_at(const DriveMeasurement& m, std::size_t i) const {
-    DrivePort port = find_drive_port(
-        m.mode, K_t_, gain_, find_drive_point(m.mode, K_t_, m.tick, m.bare[i], m.damped[i]));
+    DrivePort port = find_drive_port(m.mode, motor().torque_constant, gain_,
+                                     find_drive_point(m.mode, motor(), m.bare[i], m.damped[i]));
     port.actuation *= std::polar(1.0, 2 * pi * port.frequency_hz * m.delay);
     return port;
   }
@@ -218,9 +219,9 @@ class Judge {
       point.modelled_impedance = model.impedance;
       point.modelled_actuation = model.actuation;
       point.damping_low = point.damping_high = point.impedance.real();
-      point.winding_resistance = find_drive_point(measurement_.mode, K_t_, measurement_.tick,
-                                                  measurement_.bare[i], measurement_.damped[i])
-                                     .winding.real();
+      point.winding_resistance =
+          find_drive_point(measurement_.mode, motor(), measurement_.bare[i], measurement_.damped[i])
+              .winding.real();
       v.points.push_back(point);
     }
   }
@@ -233,7 +234,7 @@ class Judge {
   const PassivityModel& model_;
   const DriveMeasurement& measurement_;
   PortModel port_;
-  double period_ = 0, gain_ = 1, K_t_ = 0;
+  double period_ = 0, gain_ = 1;
   WallValues wall_;
   DiscreteStateSpace velocity_;
 };

@@ -10,11 +10,10 @@
 
 namespace gyrator {
 
-/// Two runs of the same sines: without any damping, and with what is judged.
+/// Two runs of the same sines, free of images: without any damping, and with what is judged.
 struct DriveMeasurement {
   DriveMode mode = DriveMode::current;
-  double tick = 1e-4;  ///< of the generator [s]
-  double delay = 0;    ///< of the amplifier, which the model has in its sampling's delay [s]
+  double delay = 0;  ///< of the amplifier, which the model has in its sampling's delay [s]
   std::vector<Tone> bare, damped;  ///< at the same, rising frequencies
 };
 

@@ -13,12 +13,6 @@
 namespace gyrator {
 namespace {
 
-std::optional<double> find_bandwidth(const Amplifier& amplifier) {
-  if (const auto* current = std::get_if<CurrentAmplifier>(&amplifier)) return current->bandwidth_hz;
-  if (const auto* voltage = std::get_if<VoltageAmplifier>(&amplifier)) return voltage->bandwidth_hz;
-  return {};
-}
-
 // Values of the lattice between two, so many and in about the same ratio to one another.
 std::vector<double> choose_values(const SettingRange& range, double from, double to, int count) {
   const double low = std::max({from, range.low, range.step > 0 ? range.step : 0.0, 1e-12});
@@ -120,6 +114,12 @@ class Chooser {
 };
 
 }  // namespace
+
+std::optional<double> find_bandwidth(const Amplifier& amplifier) {
+  if (const auto* current = std::get_if<CurrentAmplifier>(&amplifier)) return current->bandwidth_hz;
+  if (const auto* voltage = std::get_if<VoltageAmplifier>(&amplifier)) return voltage->bandwidth_hz;
+  return {};
+}
 
 std::string_view name_of(TuningCircuit circuit) {
   return circuit == TuningCircuit::rc ? "rc" : "cancellation";

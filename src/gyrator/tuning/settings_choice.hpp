@@ -45,6 +45,9 @@ struct TuningChoice {
   bool reaches_wall = false;
 };
 
+/// -3 dB frequency of an amplifier [Hz]; none: ideal.
+std::optional<double> find_bandwidth(const Amplifier& amplifier);
+
 /// The identified device behind the amplifier's settings: `identified` with its motor, mechanics
 /// and bandwidth, driven in the circuit's mode, with the damping that the settings stand for.
 Device make_tuned_device(const Device& identified, TuningCircuit circuit,

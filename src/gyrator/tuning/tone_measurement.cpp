@@ -42,6 +42,7 @@ Tone measure_tone(Bench& bench, DriveMode mode, double amplitude, double frequen
 
   Tone tone;
   tone.frequency_hz = frequency_hz;
+  tone.duration = sine.duration;
   const auto fit = [&](const std::vector<double>& signal, const char* name) -> Phasor {
     if (signal.empty())
       throw Error(ErrorCode::device, "capture",
@@ -54,14 +55,6 @@ Tone measure_tone(Bench& bench, DriveMode mode, double amplitude, double frequen
   tone.voltage = fit(capture.voltage, "voltage");
   tone.velocity = fit(capture.velocity, "velocity");
   return tone;
-}
-
-std::vector<Tone> measure_tones(Bench& bench, DriveMode mode, const AmplitudeAt& amplitude_at,
-                                const std::vector<double>& frequency_hz) {
-  std::vector<Tone> tones;
-  for (const double f : frequency_hz)
-    tones.push_back(measure_tone(bench, mode, amplitude_at(f), f));
-  return tones;
 }
 
 std::vector<double> spread_frequencies(const BenchLimits& limits, double lowest_hz,

@@ -2,21 +2,13 @@
 
 #include "gyrator/tuning/drive_response.hpp"
 
-#include <functional>
 #include <vector>
 
 namespace gyrator {
 
-/// How large a sine may be, at a frequency [A or V].
-using AmplitudeAt = std::function<double(double frequency_hz)>;
-
 /// Plays a sine, lets it settle, keeps whole periods of it and fits them (sine-1). Throws as
 /// Bench::run, and device where a signal is not offered.
 Tone measure_tone(Bench& bench, DriveMode mode, double amplitude, double frequency_hz);
-
-/// One after the other.
-std::vector<Tone> measure_tones(Bench& bench, DriveMode mode, const AmplitudeAt& amplitude_at,
-                                const std::vector<double>& frequency_hz);
 
 /// Frequencies, so many and evenly spread over the logarithm, within what the bench can do. Those
 /// near to the capture's rate are left out.

@@ -14,8 +14,7 @@ namespace gyrator {
 struct TuningOptions {
   TuningTarget target;
   double current = 0;  ///< largest of the sines [A]; 0: a fifth of what the bench allows
-  /// Of the sines. Above a twentieth of the generator's rate the images of its steps, which sampled
-  /// voltages hold too, are no longer small against the sine: 2 % at an eighth.
+  /// Of the sines; above a twentieth of the generator's rate its steps are no longer small.
   double lowest_hz = 3, highest_hz = 400;
   int frequencies = 10;  ///< of a whole measurement
   /// Keep following the winding for so long after the last step [s of the device].

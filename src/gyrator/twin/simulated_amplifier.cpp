@@ -23,6 +23,8 @@ enum Stream : std::uint64_t {
   reading_stream
 };
 
+constexpr double supply_ratio = 10;  // most current of the supply, over the limit at the start
+
 std::int64_t to_ticks(double seconds) {
   return std::llround(seconds * SimulatedAmplifier::ticks_per_second);
 }
@@ -65,6 +67,7 @@ bool is_voltage_driven(const TwinSettings& settings) {
 SimulatedAmplifier::SimulatedAmplifier(const TwinDevice& twin)
     : twin_((check_twin_device(twin), twin)),
       settings_(find_initial_settings(twin)),
+      supply_current_(supply_ratio * settings_.current_limit),
       heat_(*twin.device.drive.motor, twin.thermal, twin.ambient - twin.reference_temperature,
             twin.winding_rise, tick),
       on_the_way_(static_cast<std::size_t>(twin.delay / tick + 1e-9) + 1),
@@ -146,9 +149,13 @@ void SimulatedAmplifier::step(bool watched) {
   if (watched) ++watched_ticks_;
   const double before = current_;
   current_ = plant_->now().current();
-  heat_.warm(before, current_);
+  heat_.warm(delivered(before), delivered(current_));
   if (settings_.enable) protect();
   follow_winding();
+}
+
+double SimulatedAmplifier::delivered(double current) const {
+  return std::isfinite(current) ? std::clamp(current, -supply_current_, supply_current_) : 0;
 }
 
 double SimulatedAmplifier::sense(double value, double noise, double step,
@@ -200,7 +207,10 @@ void SimulatedAmplifier::rebuild(const TwinSettings& settings, double resistance
       stored.set_node("amplifier.loop", 0);
     }
     if (settings.enable != settings_.enable) reset_commands();
-    next->set_state(stored, held_);
+    // What has grown beyond all numbers starts from rest.
+    const bool is_finite = stored.values.allFinite() && std::isfinite(charge);
+    if (is_finite) next->set_state(stored, held_);
+    if (!is_finite) charge = 0;
     charge_ = charge;
   }
   plant_ = std::move(next);

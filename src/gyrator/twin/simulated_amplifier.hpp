@@ -125,10 +125,12 @@ class SimulatedAmplifier {
   void rebuild(const TwinSettings& settings, double resistance);
   double sense(double value, double noise, double step, RandomStream& random) const;
   double bound(double command) const;
+  double delivered(double current) const;
   void reset_commands();
 
   TwinDevice twin_;
   TwinSettings settings_;
+  double supply_current_;  ///< that heats at most, however fast an unstable drive grows [A]
   WindingHeat heat_;
   std::unique_ptr<RailedPlant> plant_;
   double plant_resistance_ = 0;  ///< that the plant was built with [ohm]

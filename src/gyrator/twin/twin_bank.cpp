@@ -26,7 +26,7 @@ double from_mode(const DeviceRegister& place, double mode) {
 RawValue saturate(DeviceRegister place, double value) {
   place.low = place.high = place.step = std::nullopt;
   const ValueRange range = range_of(place);
-  return to_raw(place, std::clamp(value, range.low, range.high));
+  return to_raw(place, std::isnan(value) ? 0 : std::clamp(value, range.low, range.high));
 }
 
 }  // namespace

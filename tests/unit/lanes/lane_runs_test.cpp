@@ -181,6 +181,38 @@ TEST(Lanes, are_classified_as_their_runs_are) {
   }
 }
 
+TEST(Lanes, are_classified_by_the_cycles_of_their_traces_to_the_last_bit) {
+  LaneScene scene = make_scene();
+  scene.sensor.quantum = 2e-4;
+  const Operator hand =
+      MassSpringDamper{.inertia = 1e-5, .damping = 2e-4, .stiffness = 0.5, .resonators = {}};
+  const Plant plant = build_plant(build_device_network(make_rc_display(), hand));
+  const LanePlant lane_plant = make_lane_plant(plant, scene.sampling);
+  std::vector<LaneDesign> designs;
+  for (const VirtualWall& wall : make_walls())
+    designs.push_back({&lane_plant, *find_lane_law(Controller(wall), 1e-3)});
+  for (const LaneInstructions instructions : list_instructions()) {
+    LaneOptions options;
+    options.instructions = instructions;
+    const auto traces = trace_lanes(scene, designs, options);
+    const auto found = classify_lanes(
+        scene, designs.size(), [&](std::size_t i, LaneDesign& design) { design = designs[i]; },
+        options);
+    int compared = 0;
+    for (std::size_t i = 0; i < designs.size(); ++i) {
+      if (traces[i].stopped_early || found[i].amplitude == 0) continue;  // not looked at closely
+      const auto& [position, velocity, stopped] = traces[i];
+      const Classification whole = classify(position, velocity, 1e-3, false);
+      EXPECT_EQ(found[i].outcome, whole.outcome) << i;
+      EXPECT_EQ(found[i].growth, whole.growth) << i;
+      EXPECT_EQ(found[i].amplitude, whole.amplitude) << i;
+      EXPECT_EQ(found[i].frequency_hz, whole.frequency_hz) << i;
+      ++compared;
+    }
+    EXPECT_GT(compared, 20) << name_of(instructions);
+  }
+}
+
 TEST(Lanes, of_plants_of_their_own_move_as_if_alone) {
   const LaneScene scene = make_scene();
   std::vector<LanePlant> plants;

@@ -38,18 +38,11 @@ inline PassivityModel make_model(const MotorDrive& d, DriveMode mode, double sti
   return model;
 }
 
-// The generator's value is held for a tick: its fundamental is u times this.
-inline std::complex<double> hold(double omega, double tick) {
-  return tick == 0 ? 1.0
-                   : (1.0 - std::polar(1.0, -omega * tick)) / std::complex<double>(0, omega * tick);
-}
-
 // v, i and w for u = 1: amplifier G, motor Z_w i = v - K w, free shaft K i = (J s + b) w.
-inline Tone make_tone(const MotorDrive& d, DriveMode mode, bool damped, double f, double tick,
-                      double delay) {
+inline Tone make_tone(const MotorDrive& d, DriveMode mode, bool damped, double f, double delay) {
   const std::complex<double> s(0, 2 * std::numbers::pi * f);
-  const std::complex<double> G = std::exp(-s * delay) * hold(s.imag(), tick) /
-                                 (1.0 + s / (2 * std::numbers::pi * d.bandwidth_hz));
+  const std::complex<double> G =
+      std::exp(-s * delay) / (1.0 + s / (2 * std::numbers::pi * d.bandwidth_hz));
   const std::complex<double> load = d.J * s + d.b;
   const std::complex<double> motor = d.R + d.L * s + d.K * d.K / load;
   std::complex<double> i, v;
@@ -69,12 +62,11 @@ inline Tone make_tone(const MotorDrive& d, DriveMode mode, bool damped, double f
   return tone;
 }
 
-inline DriveMeasurement measure(const MotorDrive& d, DriveMode mode, double tick = 1e-4,
-                                double delay = 0) {
-  DriveMeasurement m{mode, tick, delay, {}, {}};
+inline DriveMeasurement measure(const MotorDrive& d, DriveMode mode, double delay = 0) {
+  DriveMeasurement m{mode, delay, {}, {}};
   for (double f = 1; f < 1700; f *= 1.6) {
-    m.bare.push_back(make_tone(d, mode, false, f, tick, delay));
-    m.damped.push_back(make_tone(d, mode, true, f, tick, delay));
+    m.bare.push_back(make_tone(d, mode, false, f, delay));
+    m.damped.push_back(make_tone(d, mode, true, f, delay));
   }
   return m;
 }

@@ -37,7 +37,8 @@ TEST(DriveResponse, SinesGiveImpedanceAndActuationOfTheNetwork) {
     const double gain = find_amplifier_gain(model.device);
     const DriveMeasurement m = measure(drive, mode);
     for (std::size_t i = 0; i < m.bare.size(); ++i) {
-      const DrivePoint point = find_drive_point(mode, drive.K, m.tick, m.bare[i], m.damped[i]);
+      const DrivePoint point =
+          find_drive_point(mode, *model.device.drive.motor, m.bare[i], m.damped[i]);
       const DrivePort found = find_drive_port(mode, drive.K, gain, point);
       const double omega = 2 * std::numbers::pi * found.frequency_hz;
       const PortResponse expected = port.at(omega);
@@ -92,7 +93,7 @@ TEST(MeasuredVerdict, TheAmplifiersDelayIsNotCountedTwice) {
   model.sampling.delay = Rational{1, 5000};
   const double limit = limit_of(model, 1e-4);
   const MeasuredVerdict verdict =
-      judge_measured(model, measure(drive, DriveMode::current, 1e-4, 2e-4), 1, 0);
+      judge_measured(model, measure(drive, DriveMode::current, 2e-4), 1, 0);
   EXPECT_NEAR(verdict.max_stiffness, limit, 3e-3 * limit);
 }
 

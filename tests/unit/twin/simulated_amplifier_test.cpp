@@ -86,6 +86,21 @@ TEST(SimulatedAmplifier, AWarmWindingCoolsTowardsTheAmbient) {
   EXPECT_NEAR(amplifier.winding_temperature(), 303.15 + 20 * std::exp(-1), 1e-9);
 }
 
+TEST(SimulatedAmplifier, RestIsSkippedAsIfItHadBeenWaitedFor) {
+  TwinDevice twin = make_plain_twin();
+  twin.thermal = {8, 3};
+  twin.winding_rise = 20;
+  SimulatedAmplifier amplifier(twin);
+  amplifier.advance(3600);
+  EXPECT_EQ(amplifier.time(), 3600);
+  EXPECT_NEAR(amplifier.winding_temperature(), twin.ambient, 1e-9);
+  EXPECT_EQ(amplifier.plants_built(), 2);
+  switch_on(amplifier, DriveMode::current);
+  amplifier.start(hold(DriveMode::current, 0.1, 1));
+  amplifier.advance(0.1);
+  EXPECT_NEAR(amplifier.truth().voltage - K_t * amplifier.truth().velocity, R_m * 0.1, 1e-4);
+}
+
 TEST(SimulatedAmplifier, MoreThanFullCancellationTripsAndLessDoesNot) {
   for (const double part : {0.9, 1.1}) {
     TwinDevice twin = make_plain_twin();
@@ -102,6 +117,24 @@ TEST(SimulatedAmplifier, MoreThanFullCancellationTripsAndLessDoesNot) {
     amplifier.advance(1);  // the shaft coasts with its terminals open
     EXPECT_NEAR(amplifier.truth().current, 0, 1e-9);
   }
+}
+
+TEST(SimulatedAmplifier, AnAbsurdCancellationTripsAndLeavesAMotorThatRunsAgain) {
+  TwinDevice twin = make_plain_twin();
+  twin.noise.command = 1e-4;
+  twin.thermal = {8, 3};
+  SimulatedAmplifier amplifier(twin);
+  amplifier.write("cancellation_resistance", 1e4);  // grows by e^2000 in a tick
+  switch_on(amplifier, DriveMode::voltage);
+  amplifier.advance(0.1);
+  EXPECT_NE(amplifier.faults(), 0U);
+  EXPECT_LT(amplifier.winding_temperature(), twin.ambient + 1);
+  amplifier.write("clear_fault", 1);
+  amplifier.write("cancellation_resistance", 0);
+  switch_on(amplifier, DriveMode::current);
+  amplifier.start(hold(DriveMode::current, 0.4, 1));
+  amplifier.advance(0.5);
+  EXPECT_NEAR(amplifier.truth().current, 0.4, 1e-3);
 }
 
 TEST(SimulatedAmplifier, AMotorThatCoastsIsNotUnstable) {
