@@ -51,13 +51,15 @@ class IdentifyTest(ProgramTest):
         return model
 
     def twin(self, *options, **values):
-        twin = Twin("--listen", "127.0.0.1:0", "--winding-rise", "20", *options, model=self.model(**values),
-                    folder=self.folder)
+        if "--winding-rise" not in options:
+            options = ("--winding-rise", "20", *options)
+        twin = Twin("--listen", "127.0.0.1:0", *options, model=self.model(**values), folder=self.folder)
         self.addCleanup(twin.__exit__)
         return twin
 
-    def identify(self, where, *options, profile="gyrator_twin"):
-        return self.run_program("identify", "--connect", where, "--profile", profile, *options)
+    def identify(self, where, *options, profile="gyrator_twin", **more):
+        return self.run_program("identify", "--connect", where, "--profile", profile, *options,
+                                **more)
 
     def backup(self, where, name, profile="gyrator_twin"):
         self.assertEqual(self.run_program("backup", "--connect", where, "--profile", profile, "-o", name).code, 0)
@@ -134,9 +136,9 @@ class TwinIdentifyTest(IdentifyTest):
         self.assertEqual(self.run_program("passivity", "motor.json", "--quiet").code, 1)  # as the example is
 
     def test_a_fault_ends_it_with_everything_put_back(self):
-        twin = self.twin("--time-scale", "max", "--winding-rise", "94.99", "--ambient", "298.15")
+        twin = self.twin("--time-scale", "max", "--winding-rise", "96")
         before = self.backup(twin.where[0], "before.json")
-        answer = self.identify(twin.where[0], "--apply", "-o", "motor.json", "--limit", "temperature_limit=300K")
+        answer = self.identify(twin.where[0], "--apply", "-o", "motor.json")
         self.assertEqual(answer.code, 4, answer)
         self.assertFalse((self.folder / "motor.json").exists())
         self.assertEqual(self.backup(twin.where[0], "after.json"), before)
@@ -173,7 +175,8 @@ class PeerIdentifyTest(IdentifyTest):
         peer = Peer(log=self.folder / "writes.jsonl")
         self.addCleanup(peer.close)
         before = self.backup(peer.url, "before.json", "integer_drive")
-        answer = self.identify(peer.url, "--apply", "--json", "--slow", "2 Hz", profile="integer_drive")
+        answer = self.identify(peer.url, "--apply", "--json", "--slow", "2 Hz", profile="integer_drive",
+                               timeout=60)
         self.assertEqual(answer.code, 0, answer)
         parameters = {p["name"]: p for p in json.loads(answer.out)["parameters"]}
         for name in ("resistance", "torque_constant", "inertia"):

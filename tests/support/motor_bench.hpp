@@ -38,6 +38,7 @@ struct BenchOffer {
   std::vector<DriveMode> modes{DriveMode::current, DriveMode::voltage};
   double shortest_period = 1e-4;
   int most_samples = 4000;
+  bool quantum_known = true;  // of the encoder
 };
 
 /// A motor behind an amplifier, written for the tests without anything of the library's own: the
@@ -57,7 +58,7 @@ class MotorBench : public Bench {
     limits.largest_current = motor_.current_limit;
     limits.largest_voltage = motor_.voltage_limit;
     limits.largest_velocity = motor_.velocity_limit;
-    limits.position_quantum = motor_.position_quantum;
+    limits.position_quantum = offer_.quantum_known ? motor_.position_quantum : 0;
     limits.modes = offer_.modes;
     limits.kinds = {ExcitationKind::dc, ExcitationKind::step, ExcitationKind::sine,
                     ExcitationKind::chirp, ExcitationKind::prbs};

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 
 namespace gyrator {
 
@@ -49,7 +48,34 @@ double find_speed(const SineMeasurement& sine, double quantum) {
   return 0;
 }
 
+bool stands_still(const std::vector<double>& position) {
+  return std::all_of(position.begin(), position.end(),
+                     [&](double x) { return x == position.front(); });
+}
+
 }  // namespace
+
+std::optional<double> find_quantum(const std::vector<double>& position) {
+  constexpr double most_steps = 20, tolerance = 0.05, share = 0.95;
+  constexpr int least_moves = 5;
+  std::vector<double> moves;
+  for (std::size_t k = 1; k < position.size(); ++k)
+    if (position[k] != position[k - 1]) moves.push_back(std::abs(position[k] - position[k - 1]));
+  if (moves.empty()) return std::nullopt;
+  const double least = *std::min_element(moves.begin(), moves.end());
+  std::erase_if(moves, [&](double move) { return move > most_steps * least; });
+  double sum = 0, steps = 0;
+  int whole = 0;
+  for (const double move : moves) {
+    const double multiple = std::round(move / least);
+    whole += std::abs(move / least - multiple) < tolerance;
+    sum += move;
+    steps += multiple;
+  }
+  const auto count = static_cast<double>(moves.size());
+  if (count < least_moves || whole < share * count) return std::nullopt;
+  return sum / steps;
+}
 
 double find_peak_velocity(double inertia, double damping, double friction, double amplitude,
                           double frequency_hz, int periods) {
@@ -86,6 +112,11 @@ Capture Experiments::play(const Experiment& experiment) {
   return bench_.run(experiment.excitation, experiment.capture);
 }
 
+void Experiments::look_at_steps(const Capture& capture) {
+  if (found_.position_quantum > 0) return;
+  if (const auto quantum = find_quantum(capture.position)) found_.position_quantum = *quantum;
+}
+
 SineMeasurement Experiments::measure_sine(const std::string& purpose, double frequency_hz,
                                           double amplitude) {
   Experiment experiment;
@@ -107,7 +138,10 @@ SineMeasurement Experiments::measure_sine(const std::string& purpose, double fre
   sine.current = *current;
   sine.voltage = fit_signal(capture, capture.voltage, frequency_hz, 1e-12);
   sine.velocity = fit_signal(capture, capture.velocity, frequency_hz, 1e-12);
-  sine.position = fit_signal(capture, capture.position, frequency_hz, 1e-15);
+  look_at_steps(capture);
+  // An encoder that stands still on one step says nothing, and with no noise at all.
+  if (!stands_still(capture.position))
+    sine.position = fit_signal(capture, capture.position, frequency_hz, 1e-15);
   if (capture.winding_temperature_before) found_.temperature_known = true;
   sine.temperature = mean_temperature(capture, 298.15);
   found_.sines.push_back(sine);
@@ -239,6 +273,7 @@ void Experiments::measure_motion(const std::string& purpose, double frequency_hz
   experiment.excitation = {
       ExcitationKind::sine, DriveMode::current, amplitude, 0, frequency_hz, 0, duration};
   const Capture capture = play(experiment);
+  look_at_steps(capture);
   WindowOptions options;
   options.length = std::min(rules::window_periods / frequency_hz, rules::longest_window);
   options.position_quantum = found_.position_quantum;

@@ -2,6 +2,7 @@
 
 #include "gyrator/identification/identification.hpp"
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,6 +31,7 @@ class Experiments {
   double limit_amplitude(double frequency_hz, double wanted) const;
   void measure_motion(const std::string& purpose, double frequency_hz, double amplitude,
                       int periods);
+  void look_at_steps(const Capture& capture);
   void refit();
   double find_velocity_cap() const;
   Capture play(const Experiment& experiment);
@@ -49,5 +51,9 @@ class Experiments {
 /// within some periods [rad/s].
 double find_peak_velocity(double inertia, double damping, double friction, double amplitude,
                           double frequency_hz, int periods);
+
+/// The step of an encoder, from how its captured position moves; none where it does not, or moves
+/// by no multiples of one step [rad, m].
+std::optional<double> find_quantum(const std::vector<double>& position);
 
 }  // namespace gyrator

@@ -1,6 +1,7 @@
 #include "gyrator/identification/identification.hpp"
 
 #include "gyrator/core/error.hpp"
+#include "gyrator/identification/experiments.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -219,6 +220,29 @@ TEST(Identification, RefusesABenchWithoutCurrentSines) {
   offer.modes = {};
   MotorBench bench(make_noisy_motor(), offer);
   EXPECT_THROW(identify(bench), Error);
+}
+
+TEST(Identification, AnEncoderWhoseStepNobodyKnowsIsNotTrustedWhereItStandsStill) {
+  BenchMotor motor = make_noisy_motor();
+  motor.position_quantum = 2 * std::numbers::pi / 500;
+  BenchOffer offer;
+  offer.quantum_known = false;
+  MotorBench bench(motor, offer);
+  const Identification found = identify(bench);
+  EXPECT_NEAR(found.position_quantum / motor.position_quantum, 1, 1e-6);
+  expect_covers(found, "resistance", motor.resistance);
+  expect_covers(found, "inductance", motor.inductance);
+  expect_covers(found, "torque_constant", motor.torque_constant);
+}
+
+TEST(Identification, TheStepOfAnEncoderIsSeenInItsMoves) {
+  std::vector<double> position{0};
+  for (const int move : {0, 1, 0, 2, 1, 0, 3, 1, 1, -2, 0, 1})
+    position.push_back(position.back() + move * 1e-3);
+  EXPECT_NEAR(*find_quantum(position), 1e-3, 1e-12);
+  position = {0, 0.7, 1.9, 2.3, 4.1, 5.2, 8.9, 9.4};
+  EXPECT_FALSE(find_quantum(position));
+  EXPECT_FALSE(find_quantum({1, 1, 1}));
 }
 
 TEST(Identification, ThePlanHoldsWhatIsThenPlayed) {
