@@ -166,7 +166,9 @@ double Experiments::limit_amplitude(double frequency_hz, double wanted) const {
   const double played = std::max(std::abs(nearest->current.value), 1e-9);
   if (nearest->voltage && limits_.largest_voltage > 0) {
     const double per_ampere = std::abs(nearest->voltage->value) / played * apart;
-    amplitude = std::min(amplitude, options_.voltage_share * limits_.largest_voltage / per_ampere);
+    // A third less: at each of the command's steps the voltage is higher than the sine's.
+    amplitude = std::min(amplitude,
+                         2.0 / 3 * options_.voltage_share * limits_.largest_voltage / per_ampere);
   }
   if (limits_.largest_velocity > 0) {
     // A sine from rest swings to twice its own amplitude.

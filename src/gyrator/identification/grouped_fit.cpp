@@ -83,7 +83,8 @@ GroupedFit build_jackknife(const Eigen::VectorXd& all,
   fit.groups = static_cast<int>(without.size());
   // As many values as groups leave no errors to see.
   const auto unknowns = static_cast<double>(all.size());
-  const double share = (groups - 1) / std::max(groups - unknowns, 1.0);
+  const double share =
+      jackknife_allowance * jackknife_allowance * (groups - 1) / std::max(groups - unknowns, 1.0);
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(all.size());
   for (const Eigen::VectorXd& values : without) mean += values / groups;
   fit.covariance = Eigen::MatrixXd::Zero(all.size(), all.size());

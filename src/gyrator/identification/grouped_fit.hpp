@@ -18,6 +18,10 @@ struct Equation {
   int group = 0;         ///< equations whose errors may have to do with each other
 };
 
+/// What is added to the jackknife's deviations, for errors that all groups have in common and that
+/// leaving one out cannot show.
+inline constexpr double jackknife_allowance = 1.2;
+
 struct GroupedFit {
   Eigen::VectorXd values;
   Eigen::MatrixXd covariance;
@@ -29,10 +33,11 @@ struct GroupedFit {
 };
 
 /// Weighted least squares, with the covariance of the delete-one-group jackknife,
-///   C = (G - 1)/(G - n_p) sum over groups g of (p_g - mean p)(p_g - mean p)^T       (jackknife-1)
-/// p_g the n_p values without group g. It needs no law of the errors within a group and counts them
-/// as what they do to the values. The families' deviations are scaled to their residuals first. A
-/// value that hangs on few groups has few degrees of freedom: with u_g its squared deviations,
+///   C = a^2 (G - 1)/(G - n_p) sum over groups g of (p_g - mean p)(p_g - mean p)^T (jackknife-1)
+/// p_g the n_p values without group g, a the allowance. It needs no law of the errors within a
+/// group and counts them as what they do to the values. The families' deviations are scaled to
+/// their residuals first. A value that hangs on few groups has few degrees of freedom: with u_g its
+/// squared deviations,
 ///   n = 3 (sum u)^2/sum u^2 - 1, between 1 and G - 1                                (jackknife-2)
 /// (which is G - 1 for many normal ones). Throws numerical for fewer than three groups or fewer
 /// equations than unknowns. Source: Efron 1982, chapter 3.

@@ -38,7 +38,7 @@ TEST(GroupedFit, SolvesWhatHasNoError) {
   EXPECT_LT(fit.at(0).deviation, 1e-9);
 }
 
-// 200 intervals of 90 %: 20 misses, deviation 4.2; the jackknife is a little wide, never narrow.
+// 200 intervals of 90 %, 1.2 times as wide: as those of 95 %, 10 misses with a deviation of 3.
 TEST(GroupedFit, IntervalsHoldWhereErrorsAreSharedInAGroup) {
   for (const double shared : {0.0, 0.3}) {
     RandomStream random(3, 1);
@@ -51,8 +51,8 @@ TEST(GroupedFit, IntervalsHoldWhereErrorsAreSharedInAGroup) {
       bias += (fit.values[0] - 3) / 200;
       deviation += fit.at(0).deviation / 200;
     }
-    EXPECT_GE(misses, 5) << shared;
-    EXPECT_LE(misses, 37) << shared;
+    EXPECT_GE(misses, 1) << shared;
+    EXPECT_LE(misses, 22) << shared;
     EXPECT_LT(std::abs(bias), 4 * deviation / std::sqrt(200.0)) << shared;
   }
 }
