@@ -225,7 +225,7 @@ class FaultTest(TuneTest):
             with FaultProxy(("127.0.0.1", twin.port), seed=seed, rates=rates, delay=(0.01, 0.1)) as proxy:
                 answer = self.run_program("tune", self.write_model(motor()),
                                           *self.device(f"tcp://127.0.0.1:{proxy.port}"), "--timeout", "0.1 s",
-                                          "--apply", "--json")
+                                          "--apply", "--json", timeout=120)
                 faults += len(proxy.faults)
             self.assertIn(answer.code, (0, 1, 4), answer)
             outcomes.add(answer.code)
