@@ -267,7 +267,11 @@ std::vector<double> choose_damping_range(const Model& model, int points) {
     (feasible(middle) ? low : high) = middle;
   }
   std::vector<double> damping;
-  for (int i = 0; i < points; ++i) damping.push_back(-b + (high + b) * i / std::max(1, points - 1));
+  // Nine digits: b is known to rounding, and people read these.
+  for (int i = 0; i < points; ++i) {
+    const double exact = -b + (high + b) * i / std::max(1, points - 1);
+    damping.push_back(std::stod(fmt::format("{:.9g}", exact)));
+  }
   return damping;
 }
 
