@@ -250,11 +250,14 @@ std::string stiffness_in_words(const json& result, const char* key) {
 }
 
 std::string describe_settings_in_words(const json& settings) {
+  if (!settings.is_object())
+    throw Error(ErrorCode::bad_input, std::string(place) + ": /settings", "an object is expected");
   std::string text;
-  for (const auto& [name, value] : settings.items()) {
+  for (const auto& item : settings.items()) {
+    const std::string& name = item.key();
     const std::string unit = name == "damping_capacitance" ? "F" : "ohm";
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name,
-                        pretty_quantity(value.get<double>(), unit, 4));
+                        pretty_quantity(required_number(settings, name, place), unit, 4));
   }
   return text;
 }

@@ -25,7 +25,8 @@ using nlohmann::json;
 std::vector<json> all_samples() {
   return {sample_passivity(), sample_zwidth(),        sample_simulate(),  sample_compare(),
           sample_impedance(), sample_stability_map(), sample_tolerance(), sample_two_port(),
-          sample_envelope(),  sample_environment(),   sample_workspace()};
+          sample_envelope(),  sample_environment(),   sample_workspace(), sample_identification(),
+          sample_tuning()};
 }
 
 /// What a reader sees: tags taken out.
@@ -161,7 +162,7 @@ TEST(Report, RefusesAnUnknownCommandAndListsTheKnownOnes) {
     const std::string text = error.what();
     EXPECT_NE(text.find("result 2 of 2"), std::string::npos) << text;
     EXPECT_NE(text.find("'teleport'"), std::string::npos) << text;
-    EXPECT_NE(text.find("simulate, stability-map, tolerance, twoport, workspace, zwidth"),
+    EXPECT_NE(text.find("simulate, stability-map, tolerance, tune, twoport, workspace, zwidth"),
               std::string::npos)
         << text;
   }
@@ -229,6 +230,24 @@ TEST(Report, SaysWhatEnvironmentAndWorkspaceComeTo) {
   EXPECT_NE(text.find("Not shown to be passive"), std::string::npos) << text;
   EXPECT_NE(text.find("the sensor is not at the port"), std::string::npos);
   EXPECT_NE(text.find("Not enough: at the pose far"), std::string::npos) << text;
+}
+
+TEST(ResultFigures, AnIdentificationShowsWhatEachFitLeaves) {
+  const Figure figure = result_figure(sample_identification());
+  ASSERT_EQ(figure.panels.size(), 6U);
+  // Sizes and phases are those of the samples: the fit leaves nothing.
+  for (const Curve& curve : figure.panels[2].curves)
+    for (const double rest : curve.y) EXPECT_NEAR(rest, 0, 1e-9);
+  // 1e-5 · 100 + 1e-3 = 0.002, and so on: the line goes through all four.
+  for (const double rest : figure.panels[5].curves[0].y) EXPECT_NEAR(rest, 0, 1e-12);
+}
+
+TEST(Report, AnIdentificationNamesWhatCouldNotBeFound) {
+  const auto sentence = verdict_sentence(sample_identification());
+  EXPECT_NE(sentence.find("1 of 2 parameters"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("not identifiable: bandwidth"), std::string::npos) << sentence;
+  const auto section = report_section(sample_identification());
+  EXPECT_NE(section.html.find("no command"), std::string::npos);
 }
 
 TEST(ResultFigures, EveryCommandHasOne) {

@@ -257,4 +257,53 @@ inline nlohmann::json sample_workspace() {
   return result;
 }
 
+/// Nine parameters less one that could not be found, three sines and four stretches of motion.
+inline nlohmann::json sample_identification() {
+  auto result = sample_base("identify");
+  result["outcome"] = "identified";
+  result["duration_s"] = 21.5;
+  result["parameters"] = {{{"name", "resistance"},
+                           {"value", 1.5},
+                           {"low", 1.49},
+                           {"high", 1.51},
+                           {"unit", "ohm"},
+                           {"identifiable", true},
+                           {"note", "at 298.15 K"}},
+                          {{"name", "bandwidth"},
+                           {"value", nullptr},
+                           {"low", nullptr},
+                           {"high", nullptr},
+                           {"unit", "Hz"},
+                           {"identifiable", false},
+                           {"note", "no command"}}};
+  const nlohmann::json real{1.5, 1.51, 1.52}, imag{0.1, 1.0, 3.1};
+  result["sines"] = {{"frequency_hz", {40, 300, 1000}}, {"amplitude", {0.5, 0.5, 0.5}}};
+  for (const char* name : {"impedance", "fitted_impedance", "current", "fitted_current"}) {
+    result["sines"][std::string(name) + "_real"] = real;
+    result["sines"][std::string(name) + "_imag"] = imag;
+  }
+  result["friction"] = {{"velocity", {-100, -20, 20, 100}},
+                        {"effort", {-0.002, -0.0012, 0.0012, 0.002}},
+                        {"damping", 1e-5},
+                        {"coulomb_friction", 1e-3}};
+  return result;
+}
+
+/// A tuning of one step.
+inline nlohmann::json sample_tuning() {
+  auto result = sample_base("tune");
+  result["outcome"] = "reached";
+  result["verdict"] = "passive";
+  result["settings"] = {{"damping_resistance", 5.0}};
+  result["steps"] = {{{"time_s", 1.0},
+                      {"settings", {{"damping_resistance", 5.0}}},
+                      {"winding_resistance", 1.6},
+                      {"measured_damping", 3.7e-4},
+                      {"modelled_damping", 3.8e-4},
+                      {"frequency_hz", 20.0},
+                      {"stable", true},
+                      {"remark", ""}}};
+  return result;
+}
+
 }  // namespace gyrator
