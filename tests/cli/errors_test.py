@@ -114,7 +114,7 @@ class ValueTest(ModelErrorTest):
 
     def test_a_delay_beyond_all_sense_is_answered_or_refused_by_name(self):
         name = self.write_model(with_value(load_example(), "/sampling/delay", "1000 s"))
-        answer = self.run_program("passivity", name, "--no-counterexample", timeout=5)
+        answer = self.run_program("passivity", name, "--no-counterexample")
         if answer.code == 2:
             self.assert_refused(answer, "model.json: /sampling/delay: ")
         else:

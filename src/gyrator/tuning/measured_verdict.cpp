@@ -99,6 +99,7 @@ class Judge {
     v.margin = nominal.margin;
     v.worst_frequency_hz = nominal.omega / (2 * pi);
     v.max_stiffness = nominal.stiffness;
+    worst_omega_ = nominal.omega;
     v.modelled_max_stiffness = limits_with({}, {}, GridDensity::fine).stiffness;
     describe_points(v);
 
@@ -131,24 +132,13 @@ class Judge {
  private:
   const Motor& motor() const { return *model_.device.drive.motor; }
 
-  [[noreturn]] static void refuse(const std::string& place, const std::string& message) {
-    throw Error(ErrorCode::bad_input, place, message);
-  }
-
   void check() const {
-    const Device& device = model_.device;
-    if (!device.drive.motor) refuse("motor", "none: a measured drive has one");
-    if (device.mechanics.transmission)
-      refuse("mechanics/transmission",
-             "a measured drive is judged with what it carries rigid with it");
-    if (device.sensor != SensorLocation::port && device.sensor != SensorLocation::motor)
-      refuse("sensor/location", "a measured drive is judged with its position sensed");
-    if (!std::holds_alternative<VirtualWall>(model_.controller.law))
-      refuse("controller/kind", "only a virtual_wall can be judged on a measured drive");
+    check_measurable(model_);
     const auto& [mode, delay, bare, damped] = measurement_;
     if (bare.size() != damped.size() || bare.size() < fewest_frequencies)
-      refuse("measurement", fmt::format("{} and {} frequencies: as many of both, and at least {}",
-                                        bare.size(), damped.size(), fewest_frequencies));
+      throw Error(ErrorCode::bad_input, "measurement",
+                  fmt::format("{} and {} frequencies: as many of both, and at least {}",
+                              bare.size(), damped.size(), fewest_frequencies));
   }
 
   // Z_e and A of a measured frequency, the delay taken out.
@@ -190,10 +180,15 @@ class Judge {
       r.actuation *= actuation.at(r.omega);
     });
     Limits limits;
-    for (const double omega : make_judging_grid(port_.poles(), period_, density)) {
+    std::vector<double> grid = make_judging_grid(port_.poles(), period_, density);
+    if (worst_omega_ > 0) grid.push_back(worst_omega_);
+    for (const double omega : grid) {
       const DiskPoint point = disk.at(omega);
       const Complex V = wall_.damping * velocity_.response(std::polar(1.0, omega * period_));
       const double margin = point.damping_margin(wall_.stiffness + V);
+      if (std::isnan(margin))
+        throw Error(ErrorCode::numerical, "measurement",
+                    fmt::format("no number comes of it at {:.4g} Hz", omega / (2 * pi)));
       if (margin < limits.margin) {
         limits.margin = margin;
         limits.omega = omega;
@@ -235,11 +230,27 @@ class Judge {
   const DriveMeasurement& measurement_;
   PortModel port_;
   double period_ = 0, gain_ = 1;
+  double worst_omega_ = 0;  // of the nominal measurement, which every other is judged at too
   WallValues wall_;
   DiscreteStateSpace velocity_;
 };
 
 }  // namespace
+
+void check_measurable(const PassivityModel& model) {
+  const auto refuse = [](const char* place, const char* message) {
+    throw Error(ErrorCode::bad_input, place, message);
+  };
+  const Device& device = model.device;
+  if (!device.drive.motor) refuse("motor", "none: a measured drive has one");
+  if (device.mechanics.transmission)
+    refuse("mechanics/transmission",
+           "a measured drive is judged with what it carries rigid with it");
+  if (device.sensor != SensorLocation::port && device.sensor != SensorLocation::motor)
+    refuse("sensor/location", "a measured drive is judged with its position sensed");
+  if (!std::holds_alternative<VirtualWall>(model.controller.law))
+    refuse("controller/kind", "only a virtual_wall can be judged on a measured drive");
+}
 
 MeasuredVerdict judge_measured(const PassivityModel& model, const DriveMeasurement& measurement,
                                std::uint64_t seed, int draws) {

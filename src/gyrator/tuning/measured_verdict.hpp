@@ -40,6 +40,9 @@ struct MeasuredVerdict {
   std::vector<MeasuredPoint> points;
 };
 
+/// Throws what judge_measured does for a model that it does not judge.
+void check_measurable(const PassivityModel& model);
+
 /// Judges a wall by the exact disk with the drive's measured response in the model's place.
 ///
 /// `model` is the identified device with the settings that were measured, the winding as warm; its

@@ -115,6 +115,12 @@ class Chooser {
 
 }  // namespace
 
+double find_cancelled_resistance(const Drive& drive) {
+  for (const Damping& damping : drive.damping)
+    if (const auto* c = std::get_if<ResistanceCancellation>(&damping)) return c->resistance;
+  return 0;
+}
+
 std::optional<double> find_bandwidth(const Amplifier& amplifier) {
   if (const auto* current = std::get_if<CurrentAmplifier>(&amplifier)) return current->bandwidth_hz;
   if (const auto* voltage = std::get_if<VoltageAmplifier>(&amplifier)) return voltage->bandwidth_hz;
@@ -160,6 +166,9 @@ Device make_tuned_device(const Device& identified, TuningCircuit circuit,
     device.drive.amplifier = VoltageAmplifier{bandwidth};
     const double cancelled = value_of(settings, "cancellation_resistance");
     if (cancelled > 0) device.drive.damping.emplace_back(ResistanceCancellation{cancelled, {}});
+    const Motor& motor = *device.drive.motor;
+    const double left = motor.warm_resistance() - cancelled;
+    if (left > 0) device.gain = left / motor.torque_constant;
   }
   return device;
 }

@@ -45,11 +45,15 @@ struct TuningChoice {
   bool reaches_wall = false;
 };
 
+/// R_c of a drive that cancels resistance [ohm]; 0 without.
+double find_cancelled_resistance(const Drive& drive);
+
 /// -3 dB frequency of an amplifier [Hz]; none: ideal.
 std::optional<double> find_bandwidth(const Amplifier& amplifier);
 
 /// The identified device behind the amplifier's settings: `identified` with its motor, mechanics
-/// and bandwidth, driven in the circuit's mode, with the damping that the settings stand for.
+/// and bandwidth, driven in the circuit's mode, with the damping that the settings stand for. Its
+/// gain makes the blocked effort equal the command with the winding as warm as it is.
 Device make_tuned_device(const Device& identified, TuningCircuit circuit,
                          const std::vector<Setting>& settings);
 

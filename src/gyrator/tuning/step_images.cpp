@@ -15,12 +15,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-double cancelled_by(const Drive& drive) {
-  for (const Damping& damping : drive.damping)
-    if (const auto* c = std::get_if<ResistanceCancellation>(&damping)) return c->resistance;
-  return 0;
-}
-
 }  // namespace
 
 Tone remove_step_images(const Tone& tone, const Device& device, double tick, double delay) {
@@ -65,7 +59,8 @@ Tone remove_step_images(const Tone& tone, const Device& device, double tick, dou
   for (const Signal& signal : plant.others) {
     if (signal.name != "voltage") continue;
     // Across the motor: what the amplifier adds to cancel resistance is behind the terminals.
-    const Eigen::RowVectorXd across = signal.state + cancelled_by(device.drive) * current;
+    const Eigen::RowVectorXd across =
+        signal.state + find_cancelled_resistance(device.drive) * current;
     correct(smooth.voltage, across);
   }
   return smooth;

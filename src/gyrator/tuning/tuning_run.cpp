@@ -3,10 +3,12 @@
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/interrupt.hpp"
 #include "gyrator/tuning/step_images.hpp"
+#include "gyrator/tuning/tuning_checks.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <numbers>
 
 #include <fmt/core.h>
@@ -20,16 +22,10 @@ using std::numbers::pi;
 constexpr double kept_per_step = 0.6;
 // Steps of an RC branch, from its largest resistance down to the chosen one.
 constexpr int rc_steps = 3;
-// Less than this of what should be left of the winding is a sign of instability to come, and so is
-// a damping that is off by more than this share.
-constexpr double least_remaining = 0.5;
-constexpr double largest_deviation = 0.5;
-// The model is of another motor where a slow sine shows so much reactance, as a share of the
-// winding's resistance, or so much more or less inertia.
-constexpr double largest_reactance = 0.3;
-constexpr double largest_load_ratio = 1.6;
-// What is left of the motion must not grow, by more than what noise does to the number.
-constexpr double growth_allowed = 0.5;  // [1/s]
+// Of what the device bounds, so much may be met on the way from rest to a steady sine.
+constexpr double speed_share = 0.5;
+constexpr double voltage_share = 0.4;
+constexpr double push_duration = 0.05;  // [s]
 
 // Puts settings back unless told that they may stay.
 class SettingsGuard {
@@ -76,56 +72,39 @@ class Tuner {
 
   TuningRun run() {
     SettingsGuard guard(bench_);
-    switch_off();
+    for (const std::string& name : damping_switches())
+      if (bench_.has_setting(name)) bench_.write_setting(name, 0);
+    const auto end = [&](TuningOutcome outcome, std::string explanation) {
+      run_.outcome = outcome;
+      run_.explanation = std::move(explanation);
+      outcome == TuningOutcome::reached ? guard.keep() : guard.put_back();
+      return run_;
+    };
     run_.measurement.mode = mode_;
     run_.measurement.delay = run_.model.sampling.delay.to_double();
-    set_device(bare_device());
+    present_ = bare_device();
     run_.measurement.bare = measure(frequencies_);
-    if (const auto contradiction = find_contradiction()) {
-      run_.outcome = TuningOutcome::stopped;
-      run_.explanation = *contradiction;
-      guard.put_back();
-      return run_;
-    }
+    if (const auto why = find_contradiction(run_.measurement.bare, run_.model.device))
+      return end(TuningOutcome::stopped, *why);
     follow_winding(run_.measurement.bare);
     run_.choice = choose_settings(run_.model, options_.target, range_of());
-    if (!run_.choice.reaches_wall && !options_.target.cancellation) {
-      run_.outcome = TuningOutcome::unreachable;
-      run_.explanation = "no setting of the amplifier carries the wall with its margin";
-      guard.put_back();
-      return run_;
-    }
-    if (!raise()) {
-      run_.outcome = TuningOutcome::stopped;
-      run_.explanation = run_.steps.back().remark;
-      guard.put_back();
-      return run_;
-    }
+    if (!run_.choice.reaches_wall && !options_.target.cancellation)
+      return end(TuningOutcome::unreachable, explain_unreachable());
+    if (!raise() || !watch()) return end(TuningOutcome::stopped, run_.steps.back().remark);
     run_.measurement.damped = measure(frequencies_);
     follow_winding(run_.measurement.damped);
+    settle_device();
     run_.verdict = judge_measured(run_.model, run_.measurement);
-    const bool passive = run_.verdict->passive || options_.target.cancellation.has_value();
-    if (!passive) {
-      run_.outcome = TuningOutcome::not_passive;
-      run_.explanation = "by the measured response the wall is not passive";
-      guard.put_back();
-      return run_;
-    }
-    if (!watch()) {
-      run_.outcome = TuningOutcome::stopped;
-      run_.explanation = run_.steps.back().remark;
-      guard.put_back();
-      return run_;
-    }
-    run_.outcome = TuningOutcome::reached;
-    guard.keep();
-    return run_;
+    if (!run_.verdict->passive && !options_.target.cancellation)
+      return end(TuningOutcome::not_passive, explain_not_passive());
+    return end(TuningOutcome::reached, {});
   }
 
  private:
   TuningCircuit circuit() const { return options_.target.circuit; }
 
   void check() const {
+    check_measurable(run_.model);
     const auto need = [&](const char* name) {
       if (!bench_.has_setting(name))
         throw Error(
@@ -150,14 +129,6 @@ class Tuner {
       throw Error(ErrorCode::bad_input, "mechanics/inertia", "missing: identify the motor first");
   }
 
-  void switch_off() {
-    for (const std::string& name : tuned_settings())
-      if ((name == "damping_connected" || name == "cancellation_resistance" ||
-           name == "back_emf_damping") &&
-          bench_.has_setting(name))
-        bench_.write_setting(name, 0);
-  }
-
   RangeOf range_of() {
     return [this](std::string_view name) { return bench_.setting_range(name); };
   }
@@ -172,30 +143,59 @@ class Tuner {
     return device;
   }
 
-  // The device whose response bounds the sines.
-  void set_device(const Device& device) { present_ = device; }
-
-  // So large that neither current nor speed exceed what is allowed.
-  double amplitude_at(double frequency_hz) const {
-    const double current = options_.current > 0 ? options_.current : limits_.largest_current / 5;
-    const double speed = limits_.largest_velocity > 0 ? limits_.largest_velocity / 4
-                                                      : std::numeric_limits<double>::infinity();
-    const Motor& motor = *present_.drive.motor;
-    const std::complex<double> s(0, 2 * pi * frequency_hz);
-    const std::complex<double> load = s * present_.mechanics.inertia + present_.mechanics.damping;
-    const double motion = std::abs(load) / motor.torque_constant;  // [A.s/rad]
-    const double amperes = std::min(current, speed * motion);
-    if (mode_ == DriveMode::current) return amperes;
-    const std::complex<double> back_emf = motor.torque_constant * motor.torque_constant / load;
-    const std::complex<double> circuit =
-        motor.warm_resistance() - cancelled() + s * motor.inductance + back_emf;
-    return std::min(amperes * std::abs(circuit), limits_.largest_voltage / 2);
+  std::string explain_unreachable() const {
+    return fmt::format(
+        "no setting of the amplifier carries the wall with its margin; the stiffest wall by the "
+        "model is {:.4g} {}. A larger virtual damping, a shorter period or another --circuit may",
+        run_.choice.max_stiffness, run_.model.device.motion == Motion::rotary ? "N.m/rad" : "N/m");
   }
 
-  double cancelled() const {
-    for (const Damping& damping : present_.drive.damping)
-      if (const auto* c = std::get_if<ResistanceCancellation>(&damping)) return c->resistance;
-    return 0;
+  std::string explain_not_passive() const {
+    if (run_.verdict->margin > 0)
+      return fmt::format(
+          "by the measured response the wall is passive at {:.3g} Hz by {:.3g}, but the noise of "
+          "the measurement leaves its 99 % bound open: measure with more --current or over another "
+          "range",
+          run_.verdict->worst_frequency_hz, run_.verdict->margin);
+    return "by the measured response the wall is not passive";
+  }
+
+  double largest_current() const {
+    return options_.current > 0 ? options_.current : limits_.largest_current / 5;
+  }
+
+  // So large that neither current nor voltage nor speed exceed what is allowed; a motor from rest
+  // comes to twice the speed of the steady sine.
+  double amplitude_at(double frequency_hz) const {
+    const Motor& motor = *present_.drive.motor;
+    const double K = motor.torque_constant;
+    const std::complex<double> s(0, 2 * pi * frequency_hz);
+    const std::complex<double> load = s * present_.mechanics.inertia + present_.mechanics.damping;
+    const std::complex<double> winding = motor.warm_resistance() + s * motor.inductance;
+    double amperes = largest_current();
+    amperes = std::min(amperes, voltage_share * limits_.largest_voltage /
+                                    (std::abs(winding) + 2 * K * K / std::abs(load)));
+    if (limits_.largest_velocity > 0)
+      amperes =
+          std::min(amperes, speed_share * limits_.largest_velocity * std::abs(load) / (2 * K));
+    if (mode_ == DriveMode::current) return amperes;
+    return amperes * std::abs(winding - find_cancelled_resistance(present_.drive) + K * K / load);
+  }
+
+  // A constant command that brings the motor to a part of what is allowed within its time.
+  double push_amplitude() const {
+    const Motor& motor = *present_.drive.motor;
+    const double K = motor.torque_constant;
+    double amperes = largest_current() / 2;
+    const double speed =
+        std::min(voltage_share * limits_.largest_voltage / K,
+                 limits_.largest_velocity > 0 ? speed_share * limits_.largest_velocity
+                                              : std::numeric_limits<double>::infinity());
+    if (mode_ == DriveMode::current)
+      return std::min(amperes, speed * present_.mechanics.inertia / (K * push_duration));
+    // The motor stands at first: its whole voltage drives its current then.
+    const double left = motor.warm_resistance() - find_cancelled_resistance(present_.drive);
+    return std::min(amperes * left, speed * K);
   }
 
   std::vector<Tone> measure(const std::vector<double>& frequencies) {
@@ -213,67 +213,21 @@ class Tuner {
   // The winding as warm as the lowest sines say.
   double follow_winding(const std::vector<Tone>& tones) {
     Motor& motor = *run_.model.device.drive.motor;
-    double sum = 0, weights = 0;
-    for (std::size_t i = 0; i < tones.size() && i < 3; ++i) {
-      const Tone& tone = tones[i];
-      const double error =
-          std::hypot(tone.voltage.deviation, motor.torque_constant * tone.velocity.deviation) /
-              std::abs(tone.current.value) +
-          1e-6;
-      const std::complex<double> winding =
-          (tone.voltage.value - motor.torque_constant * tone.velocity.value) / tone.current.value;
-      sum += winding.real() / (error * error);
-      weights += 1 / (error * error);
+    const double resistance = measure_winding(tones, motor);
+    if (motor.temperature_coefficient > 0) {
+      motor.temperature_rise = (resistance / motor.resistance - 1) / motor.temperature_coefficient;
+    } else {
+      motor.resistance = resistance;
     }
-    const double resistance = sum / weights;
-    motor.temperature_rise = (resistance / motor.resistance - 1) / motor.temperature_coefficient;
-    present_.drive.motor->temperature_rise = motor.temperature_rise;
+    present_.drive.motor = motor;
     return resistance;
-  }
-
-  // What the bare drive did against the model: the back-EMF of the slowest sines, and the inertia.
-  std::optional<std::string> find_contradiction() const {
-    const Motor& motor = *run_.model.device.drive.motor;
-    const Mechanics& mechanics = run_.model.device.mechanics;
-    for (std::size_t i = 0; i < 4 && i < run_.measurement.bare.size(); ++i) {
-      const Tone& tone = run_.measurement.bare[i];
-      const double omega = 2 * pi * tone.frequency_hz;
-      const std::complex<double> winding =
-          (tone.voltage.value - motor.torque_constant * tone.velocity.value) / tone.current.value;
-      const double off = winding.imag() - omega * motor.inductance;
-      // What an amplifier samples of L di/dt behind its steps is its own affair.
-      const double allowed = largest_reactance * motor.resistance + 0.5 * omega * motor.inductance;
-      if (std::abs(off) > allowed) {
-        return fmt::format(
-            "at {:.3g} Hz the winding seems to have {:.3g} ohm of reactance that is not its "
-            "inductance's: the torque constant of the model, {:.4g}, is not this motor's; identify "
-            "it",
-            tone.frequency_hz, off, motor.torque_constant);
-      }
-      const double load =
-          std::abs(motor.torque_constant * tone.current.value / tone.velocity.value);
-      const double modelled =
-          std::abs(std::complex<double>(mechanics.damping, omega * mechanics.inertia));
-      // Dry friction adds to what slow motion takes.
-      const bool is_light = load < modelled / largest_load_ratio;
-      const bool is_heavy =
-          i > 0 && load > modelled * largest_load_ratio &&
-          mechanics.coulomb_friction < 0.2 * motor.torque_constant * std::abs(tone.current.value);
-      if (is_light || is_heavy) {
-        return fmt::format(
-            "at {:.3g} Hz the motor turns as if it had {:.3g} times the model's "
-            "inertia; identify it",
-            tone.frequency_hz, load / modelled);
-      }
-    }
-    return {};
   }
 
   void write(const std::vector<Setting>& settings) {
     for (const Setting& setting : settings) bench_.write_setting(setting.name, setting.value);
     if (circuit() == TuningCircuit::rc && bench_.has_setting("damping_connected"))
       bench_.write_setting("damping_connected", 1);
-    set_device(make_tuned_device(run_.model.device, circuit(), settings));
+    present_ = make_tuned_device(run_.model.device, circuit(), settings);
   }
 
   // The settings step by step, the chosen ones last.
@@ -299,18 +253,24 @@ class Tuner {
                                 ? winding
                                 : std::min(winding - now, run_.steps.back().remaining_resistance);
         const double next = std::min(target, snap(now + (1 - kept_per_step) * left, range, true));
-        if (next <= now) break;
+        if (next == now) break;
         if (!take_step({{"cancellation_resistance", next}})) return false;
+        const bool went_down = next < now;  // the winding measured colder
         now = next;
+        if (went_down) break;
       }
     }
-    if (run_.steps.empty()) {  // nothing to raise: the bare drive is what was chosen
-      if (!take_step(run_.choice.settings)) return false;
-    }
+    // Nothing to raise: the bare drive is what was chosen.
+    if (run_.steps.empty() && !take_step(run_.choice.settings)) return false;
     run_.choice.settings = run_.steps.back().settings;
-    run_.choice.device = present_;
-    run_.model.device = present_;
+    settle_device();
     return true;
+  }
+
+  // What the settings reached make of the device, with the winding as warm as it is.
+  void settle_device() {
+    present_ = make_tuned_device(run_.model.device, circuit(), run_.choice.settings);
+    run_.choice.device = run_.model.device = present_;
   }
 
   // With the winding as warm as it is now.
@@ -324,17 +284,26 @@ class Tuner {
     return options_.target.cancellation ? most : std::min(chosen, most);
   }
 
+  // First whether it is stable, by a short push; then what it does.
   bool take_step(const std::vector<Setting>& settings) {
     write(settings);
     TuningStep step;
     step.settings = settings;
-    measure_damping(step);
-    measure_decay(step);
-    judge(step);
+    if (auto why = push(step)) {
+      refuse(step, *why);
+    } else {
+      measure_damping(step);
+      judge(step);
+    }
     step.time = time_;
     run_.steps.push_back(step);
     if (options_.on_step) options_.on_step(run_.steps.back());
     return step.stable;
+  }
+
+  static void refuse(TuningStep& step, std::string why) {
+    step.stable = false;
+    step.remark = std::move(why);
   }
 
   // Where the circuit damps most: well above the corner of an RC branch, low for a cancellation.
@@ -368,16 +337,15 @@ class Tuner {
     PortModel model(present_);
     step.modelled_damping =
         model.at(2 * pi * step.frequency_hz).impedance.real() - present_.mechanics.damping;
-    step.remark.clear();
   }
 
   // The command ends; what is left must fade.
-  void measure_decay(TuningStep& step) {
+  std::optional<std::string> push(TuningStep& step) {
     Excitation push;
     push.kind = ExcitationKind::dc;
     push.mode = mode_;
-    push.offset = amplitude_at(step.frequency_hz) / 2;
-    push.duration = 0.05;
+    push.offset = push_amplitude();
+    push.duration = push_duration;
     CaptureRequest request;
     request.start = push.duration;
     request.samples = std::min(2000, limits_.most_samples);
@@ -385,44 +353,17 @@ class Tuner {
         limits_.shortest_period * std::ceil(0.2 / (limits_.shortest_period * request.samples));
     run_.ring_down = bench_.run(push, request);
     time_ += push.duration + request.samples * request.period;
-    const auto& v = run_.ring_down.velocity;
-    const auto energy = [&](std::size_t from, std::size_t to) {
-      double sum = 0;
-      for (std::size_t k = from; k < to; ++k) sum += v[k] * v[k];
-      return sum / static_cast<double>(std::max<std::size_t>(1, to - from));
-    };
-    const std::size_t n = v.size();
-    if (n < 8) return;
-    const double early = energy(n / 8, n / 4);
-    const double late = energy(7 * n / 8, n);
-    // From the middle of the one to the middle of the other.
-    const double between = static_cast<double>(n) * (0.9375 - 0.1875) * request.period;
-    if (early > 0 && late > 0) step.decay = std::log(early / late) / (2 * between);
+    const RingDown ring = measure_ring_down(run_.ring_down);
+    step.decay = ring.decay;
+    return find_instability(ring, limits_.largest_current);
   }
 
   void judge(TuningStep& step) const {
-    const double winding = step.winding_resistance;
-    if (step.decay < -growth_allowed) {
-      step.stable = false;
-      step.remark = fmt::format("motion grew by itself, {:.3g} per second, after the command's end",
-                                -step.decay);
-    } else if (mode_ == DriveMode::voltage) {
-      const double expected = winding - cancelled();
-      if (!(step.remaining_resistance > least_remaining * expected)) {
-        step.stable = false;
-        step.remark = fmt::format(
-            "{:.4g} ohm is left of the winding where {:.4g} ohm should be: less than {:.0f} %",
-            step.remaining_resistance, expected, 100 * least_remaining);
-      }
+    if (mode_ == DriveMode::voltage) {
+      const double expected = step.winding_resistance - find_cancelled_resistance(present_.drive);
+      if (auto why = find_shortage(step.remaining_resistance, expected)) return refuse(step, *why);
     }
-    if (step.stable && std::abs(step.measured_damping - step.modelled_damping) >
-                           largest_deviation * std::abs(step.modelled_damping)) {
-      step.stable = false;
-      step.remark = fmt::format(
-          "a damping of {:.4g} was measured where the model has {:.4g}: the "
-          "model does not describe this amplifier",
-          step.measured_damping, step.modelled_damping);
-    }
+    if (auto why = find_deviation(step.measured_damping, step.modelled_damping)) refuse(step, *why);
   }
 
   // Keeps the cancelled share as the winding warms and cools. An RC branch needs no following.
@@ -442,7 +383,7 @@ class Tuner {
       now = next;
     }
     run_.choice.settings = {{"cancellation_resistance", now}};
-    run_.choice.device = run_.model.device = present_;
+    settle_device();
     return true;
   }
 
@@ -462,6 +403,12 @@ const std::vector<std::string>& tuned_settings() {
   static const std::vector<std::string> names{"damping_connected",   "cancellation_resistance",
                                               "back_emf_damping",    "damping_resistance",
                                               "damping_capacitance", "back_emf_resistance"};
+  return names;
+}
+
+const std::vector<std::string>& damping_switches() {
+  static const std::vector<std::string> names{"damping_connected", "cancellation_resistance",
+                                              "back_emf_damping"};
   return names;
 }
 

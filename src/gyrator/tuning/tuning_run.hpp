@@ -32,14 +32,15 @@ struct TuningStep {
   double measured_damping = 0;      ///< Re Z_e at `frequency_hz` [N.m.s/rad, N.s/m]
   double modelled_damping = 0;
   double frequency_hz = 0;
-  double decay = 0;  ///< of what was left when the command ended [1/s]; negative: it grew
+  double decay = 0;  ///< of the motion after a push [1/s]; negative: it grew; 0: lost in the noise
   bool stable = true;
   std::string remark;
 };
 
 /// How a tuning ended.
 enum class TuningOutcome {
-  reached,      ///< settings stand, and the wall is passive by the measured response
+  reached,      ///< settings stand: the wall is passive by the measured response, or the share of
+                ///< the winding that was asked for is cancelled, whatever the verdict
   not_passive,  ///< measured, and the wall is not passive: settings were put back
   unreachable,  ///< no setting carries the wall: nothing was raised
   stopped       ///< a step showed a sign of instability: settings were put back
@@ -60,11 +61,14 @@ struct TuningRun {
 /// Settings that a tuning may change, in the order of switching off.
 const std::vector<std::string>& tuned_settings();
 
+/// Of them those at whose zero no damping acts.
+const std::vector<std::string>& damping_switches();
+
 /// Switches all damping off, measures the bare drive and its winding, chooses settings for the
 /// model's wall with the winding as warm as it is, and raises them in steps, each measured before
-/// the next: Re Z_e against the model, what is left of the winding's resistance, and the decay
-/// after the command's end. The first sign of instability ends it. Then the whole response is
-/// measured and judged (judge_measured).
+/// the next: whether motion fades after a push, Re Z_e against the model, what is left of the
+/// winding's resistance. The first sign of instability ends it. After the watch the whole response
+/// is measured and judged (judge_measured).
 ///
 /// Unless the target is reached the settings are put back as they were found, also when an
 /// exception leaves (device: link, fault or limit; interrupted; bad_input for a model or an
