@@ -115,6 +115,26 @@ class SuccessTest(TuneTest):
         self.assertEqual(answer.code, 0, answer)
         self.assertEqual(self.changed(device), set())
 
+    def test_cancelling_does_not_hang_on_the_noise(self):
+        # Motion ends within milliseconds here; what is left of the ring-down is the tachometer's noise.
+        for seed in range(1, 5):
+            device = self.device(self.twin("--winding-rise", "20 K", "--seed", seed).where[0])
+            answer = self.tune(motor(), *device, "--apply", "--cancellation", "0.85", "--points", "5")
+            self.assertEqual(answer.code, 0, answer)
+            self.assertEqual(answer.json["outcome"], "reached")
+
+    def test_a_small_motor_is_spared(self):
+        # 0.6 A at 3 Hz would bring it to 1400 rad/s, and a push in voltage mode to three times the current's limit.
+        model = motor(0.02)
+        model["motor"].update({"torque_constant": "23.5 mN.m/A", "resistance": "2.06 ohm", "inductance": "0.238 mH"})
+        model["mechanics"] = {"inertia": 1.07e-6, "damping": 1.2e-6, "coulomb_friction": "0.3 mN.m"}
+        model["controller"].update({"damping": 2e-5})
+        for more in ([], ["--cancellation", "0.85"]):
+            device = self.device(self.twin(model=model).where[0])
+            answer = self.tune(model, *device, "--apply", *more)
+            self.assertEqual(answer.code, 0, answer)
+            self.assertEqual(answer.json["outcome"], "reached", answer)
+
     def test_a_warming_winding_is_cancelled_to_its_share_without_a_fault(self):
         # A winding of 4 s, 20 K warmer than the model says, that goes on warming.
         model = motor(thermal={"resistance": "8 K/W", "capacity": "0.5 J/K"})
@@ -130,6 +150,12 @@ class SuccessTest(TuneTest):
         self.assertAlmostEqual(share, 0.85, delta=0.01)
         for step in result["steps"]:
             self.assertLess(step["settings"]["cancellation_resistance"], 0.86 * step["winding_resistance"])
+        # The wall that the written model allows is the one that was measured, by the same gain.
+        answer = self.run_program("passivity", "tuned_model.json", "--json")
+        exact = next(c for c in answer.json["criteria"] if c["name"] == "exact_disk")
+        self.assertAlmostEqual(result["measured_max_stiffness"] / exact["max_stiffness"], 1, delta=0.05)
+        left = result["winding"]["resistance"] - result["settings"]["cancellation_resistance"]
+        self.assertAlmostEqual(result["command_per_effort"] / (left / 0.05), 1, delta=1e-6)
         followed = {step["settings"]["cancellation_resistance"] for step in result["steps"][4:]}
         self.assertGreater(len(followed), 0)
 
@@ -175,7 +201,10 @@ class RefusalTest(TuneTest):
                 (("--circuit", "lc"), ["lc"]),
                 (("--from", "500 Hz"), ["--from", "must rise"]),
                 (("--points", "3"), ["--points", "4 to 100"]),
-                (("--watch", "5 ohm"), ["--watch", "time"])]:
+                (("--watch", "5 s"), ["--watch", "cancel"]),
+                (("--limit", "current_limit=50A"), ["tighter, not wider"]),
+                (("--limit", "current=1A"), ["only read"]),
+                (("--cancellation", "0.5", "--watch", "5 ohm"), ["--watch", "time"])]:
             answer = self.run_program("tune", self.write_model(motor()), *self.device("tcp://127.0.0.1:9"), *arguments)
             self.assertEqual(answer.code, 2, answer)
             for word in words:

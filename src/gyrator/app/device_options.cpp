@@ -22,7 +22,15 @@ std::pair<std::string, double> parse_limit(const std::string& text, const Device
   }
   try {
     const DeviceRegister& place = profile.at(text.substr(0, equals));
-    return {place.name, parse_register_value(place, text.substr(equals + 1))};
+    const double value = parse_register_value(place, text.substr(equals + 1));
+    if (!place.writable)
+      throw Error(ErrorCode::bad_input, "", place.name + ": is only read: nothing writes it");
+    if (value > range_of(place).high)
+      throw Error(
+          ErrorCode::bad_input, "",
+          fmt::format("{}: the profile allows at most {}: a limit may be tighter, not wider", text,
+                      describe_value(place, range_of(place).high)));
+    return {place.name, value};
   } catch (const Error& error) {
     throw Error(ErrorCode::bad_input, "--limit", error.message());
   }

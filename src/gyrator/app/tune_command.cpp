@@ -70,6 +70,9 @@ TuningOptions make_tuning_options(const TuneOptions& options) {
                 options.points + ": must be a whole number from 4 to 100");
   if (!options.watch.empty()) {
     tuning.watch = parse_option("--watch", options.watch, dimension::time);
+    if (target.circuit != TuningCircuit::cancellation)
+      throw Error(ErrorCode::bad_input, "--watch",
+                  "follows a cancelled winding: it goes with --circuit cancellation");
     if (!(tuning.watch >= 0))
       throw Error(ErrorCode::bad_input, "--watch", options.watch + ": must be at least 0 s");
   }
@@ -100,6 +103,9 @@ std::string describe_run(const json& result, const std::string& unit) {
   std::string text = result["model_name"].get<std::string>() + ": ";
   text += tuning_sentence(result) + "\n";
   if (result["verdict"].is_null()) return text;
+  text += fmt::format("The command per effort that this holds for: {:.6g} {}.\n",
+                      result["command_per_effort"].get<double>(),
+                      result["units"]["command_per_effort"].get<std::string>());
   text += fmt::format("\n{:>12}  {:>12}  {:>25}  {:>12}\n", "frequency", "measured",
                       "99 % interval", "model");
   const auto number = [&](const char* key, std::size_t i) {
@@ -138,12 +144,10 @@ std::vector<Setting> complete_settings(const TuningChoice& choice, const Bench& 
   std::vector<Setting> settings = choice.settings;
   if (choice.circuit == TuningCircuit::rc && bench.has_setting("damping_connected"))
     settings.push_back({"damping_connected", 1});
-  for (const std::string& name : tuned_settings()) {
+  for (const std::string& name : damping_switches()) {
     const bool is_set = std::any_of(settings.begin(), settings.end(),
                                     [&](const Setting& s) { return s.name == name; });
-    const bool acts = name == "damping_connected" || name == "cancellation_resistance" ||
-                      name == "back_emf_damping";
-    if (!is_set && acts && bench.has_setting(name)) settings.push_back({name, 0});
+    if (!is_set && bench.has_setting(name)) settings.push_back({name, 0});
   }
   return settings;
 }
@@ -153,6 +157,20 @@ void set_mode(AmplifierPort& port, const Bench& bench, TuningCircuit circuit) {
   const DeviceRegister& place = port.profile().at("drive_mode");
   if (const auto code = find_code(place, name_of(mode_of(circuit))))
     port.write("drive_mode", static_cast<double>(*code));
+}
+
+// What was asked for by option and the amplifier cannot do.
+void check_against(const BenchLimits& limits, const TuneOptions& options,
+                   const TuningOptions& tuning) {
+  if (tuning.current > limits.largest_current)
+    throw Error(ErrorCode::bad_input, "--current",
+                fmt::format("{}: the amplifier's limit is {:g} A", options.current,
+                            limits.largest_current));
+  const double highest = find_highest_frequency(limits);
+  if (tuning.highest_hz > highest && options.to != TuneOptions{}.to)
+    throw Error(ErrorCode::bad_input, "--to",
+                fmt::format("{}: this amplifier's generator and buffer are good for {:.4g} Hz",
+                            options.to, highest));
 }
 
 // The dry run: what the model says, as a plan.
@@ -169,6 +187,7 @@ json plan_tuning(AmplifierSession& session, ModbusBench& bench, const Model& mod
   json result = make_tuning_plan_result(model, tuning, choice);
   const MotionUnits& units = units_of(model.device.motion);
   text = describe_changes(port.plan());
+  if (port.plan().empty()) text = "Nothing to change: the amplifier is set so already.\n";
   text += fmt::format("\nBy the model the wall may then be as stiff as {:.4g} {}{}.\n",
                       choice.max_stiffness, units.stiffness.symbol,
                       choice.reaches_wall ? "" : ": THE WALL IS NOT REACHED with its margin");
@@ -230,6 +249,7 @@ void run_tune(const TuneOptions& options, int& exit_code) {
   const TuningOptions tuning = make_tuning_options(options);
   const auto session = open_session(make_device_setup(options.device, "tune"));
   ModbusBench bench(session->port());
+  check_against(bench.limits(), options, tuning);
   if (!options.device.apply) {
     std::string text;
     json result = plan_tuning(*session, bench, model, tuning, text);

@@ -73,13 +73,19 @@ json start_tuning_result(const Model& identified, const TuningOptions& options,
   result["settings"] = describe_settings(choice.settings);
   result["modelled_max_stiffness"] = finite_or_null(choice.max_stiffness);
   result["reaches_wall"] = choice.reaches_wall;
+  if (choice.device.drive.motor) {
+    const bool by_current = mode_of(choice.circuit) == DriveMode::current;
+    result["command_per_effort"] = find_amplifier_gain(choice.device);
+    result["units"]["command_per_effort"] =
+        fmt::format("{}/{}", by_current ? "A" : "V",
+                    identified.device.motion == Motion::rotary ? "(N.m)" : "N");
+  }
   return result;
 }
 
 }  // namespace
 
-json make_tuned_model(const Model& identified, const TuningChoice& choice,
-                      double temperature_rise) {
+json make_tuned_model(const Model& identified, const TuningChoice& choice) {
   json model = identified.source;
   const json bandwidth =
       model.contains("amplifier") ? model["amplifier"].value("bandwidth", json()) : json();
@@ -95,7 +101,9 @@ json make_tuned_model(const Model& identified, const TuningChoice& choice,
              cancelled > 0) {
     model["damping"].push_back({{"kind", "resistance_cancellation"}, {"resistance", cancelled}});
   }
-  model["motor"]["temperature_rise"] = temperature_rise;
+  // As warm as it was measured: what the amplifier's gain was set by.
+  model["motor"]["resistance"] = choice.device.drive.motor->warm_resistance();
+  model["motor"].erase("temperature_rise");
   return model;
 }
 
@@ -137,7 +145,7 @@ json make_tuning_result(const Model& identified, const TuningOptions& options,
     result["winding"] = {{"resistance", motor.warm_resistance()},
                          {"temperature_rise", motor.temperature_rise}};
     if (!run.choice.settings.empty())
-      result["tuned_model"] = make_tuned_model(identified, run.choice, motor.temperature_rise);
+      result["tuned_model"] = make_tuned_model(identified, run.choice);
   }
   return result;
 }
@@ -312,7 +320,13 @@ std::string tuning_sentence(const json& result) {
   std::string text;
   if (outcome == "reached") {
     text = "The amplifier is set";
-    if (optional_text(result, "verdict") == "passive")
+    if (optional_text(result, "verdict") == "not_passive") {
+      text += fmt::format(
+          ": but by its measured response the wall of {} is NOT PASSIVE, the "
+          "stiffest that would be is {}",
+          stiffness_in_words(result, "stiffness"),
+          stiffness_in_words(result, "measured_max_stiffness"));
+    } else if (optional_text(result, "verdict") == "passive")
       text += fmt::format(
           ": by its measured response the wall of {} is passive, the stiffest that "
           "would be is {} (at least {} with 99 % confidence)",
@@ -322,8 +336,9 @@ std::string tuning_sentence(const json& result) {
     return text + ".";
   }
   if (outcome == "planned") return "Nothing was set: a plan.";
-  return fmt::format("Not reached: {}. The settings are as they were.",
-                     optional_text(result, "explanation"));
+  const bool is_back = optional_text(result, "state") != "unknown";
+  return fmt::format("Not reached: {}.{}", optional_text(result, "explanation"),
+                     is_back ? " The settings are as they were." : "");
 }
 
 }  // namespace gyrator

@@ -22,8 +22,7 @@ nlohmann::json make_tuning_plan_result(const Model& identified, const TuningOpti
                                        const TuningChoice& choice);
 
 /// The identified model's file with the circuit that was set, and the winding as warm as it was.
-nlohmann::json make_tuned_model(const Model& identified, const TuningChoice& choice,
-                                double temperature_rise);
+nlohmann::json make_tuned_model(const Model& identified, const TuningChoice& choice);
 
 /// Damping and actuation over frequency, measured and modelled; the steps; the ring-down.
 Figure tuning_figure(const nlohmann::json& result);

@@ -57,11 +57,14 @@ Tone measure_tone(Bench& bench, DriveMode mode, double amplitude, double frequen
   return tone;
 }
 
+double find_highest_frequency(const BenchLimits& limits) {
+  return std::min(limits.highest_frequency_hz, 0.17 / limits.shortest_period);
+}
+
 std::vector<double> spread_frequencies(const BenchLimits& limits, double lowest_hz,
                                        double highest_hz, int count) {
   const double low = std::max(lowest_hz, limits.lowest_frequency_hz);
-  const double high =
-      std::min({highest_hz, limits.highest_frequency_hz, 0.17 / limits.shortest_period});
+  const double high = std::min(highest_hz, find_highest_frequency(limits));
   std::vector<double> frequencies;
   for (int i = 0; i < count; ++i)
     frequencies.push_back(low * std::pow(high / low, i / std::max(1.0, count - 1.0)));
