@@ -49,7 +49,7 @@ class WalkthroughTest(ProgramTest):
         self.assertAlmostEqual(tuned["measured_max_stiffness"], 0.122, delta=0.001)
         self.assertIn("the wall of 0.1 N·m/rad is passive", answers["tune"].out)
         self.assertIn("read back", answers["restore"].out)
-        self.assertIn("Tuning of the amplifier", (self.folder / "tuned.html").read_text())
+        self.assertIn("Tuning of the amplifier", (self.folder / "bench.html").read_text())
         for name in ("motor.svg", "tuned.svg"):
             self.assertIn("<svg", (self.folder / name).read_text())
         url = ["--connect", twin.where[0], "--profile", "gyrator_twin"]
