@@ -73,8 +73,9 @@ class AmplifierPort {
   std::vector<double> read_window(const DeviceRegister& first, int samples);
 
   void write(std::string_view name, double value);
-  /// A content word by word; its own bits, of a bit field. What this session has read itself
-  /// (`was_there`) is put back whatever the limits are.
+  /// A content word by word; its own bits, of a bit field. What was read from the device itself
+  /// (`was_there`) is put back whatever the limits are. Any other must have a value within them:
+  /// words that stand for none are refused, unless the register has them already.
   void write_content(const SettingValue& content, bool was_there = false);
   /// A write that makes something happen: it always goes out, and is not read back. Where doing it
   /// twice is as good as once (`repeatable`), it goes out again if its answer is lost.

@@ -4,8 +4,11 @@
 #include "gyrator/core/text.hpp"
 #include "gyrator/version.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <iterator>
 #include <unistd.h>
 #include <utility>
 
@@ -74,57 +77,101 @@ AmplifierSession::AmplifierSession(DeviceProfile profile, const LinkAddress& add
                                    SessionOptions options)
     : profile_(std::move(profile)), options_(std::move(options)) {
   if (!options_.warn) options_.warn = warn_on_stderr;
+  if (!options_.restores.empty()) options_.restores = name_journal(options_.restores);
   const std::string device = describe_device(address, options_.link.unit);
   // A serial line has room for one master; of a TCP device many may read.
   if (options_.port.apply || std::holds_alternative<SerialAddress>(address)) {
-    lock_ = std::make_unique<SettingsLock>(device);
-    unfinished_ = lock_->unfinished_journal();
-    if (unfinished_ && !is_unfinished_journal(*unfinished_)) unfinished_.reset();
+    lock_ = std::make_unique<SettingsLock>(describe_line(address, options_.link.unit));
+    unfinished_ = find_unfinished_journals(device, lock_->journals());
   }
   link_ = std::make_unique<ModbusLink>(address, options_.link);
   port_ = std::make_unique<AmplifierPort>(profile_, *link_, options_.port);
   port_->check_identity();
   backup_ = port_->read_settings();
-  if (unfinished_ && options_.restores.empty()) {
+  if (options_.port.apply) begin_journal();
+  if (!unfinished_.empty() && unfinished_.front().path != options_.restores) {
     options_.warn(
         fmt::format("{}: an earlier session did not end; this puts its settings back: "
                     "gyrator restore --journal {} --apply",
-                    device, *unfinished_));
+                    device, unfinished_.front().path));
   }
-  if (options_.port.apply) begin_journal();
 }
 
 void AmplifierSession::begin_journal() {
   const std::filesystem::path path =
       options_.journal.empty() ? choose_journal_path(backup_.device) : options_.journal;
-  const json header{{"schema", journal_schema_name},
-                    {"program", fmt::format("gyrator {}", version)},
-                    {"command", options_.command},
-                    {"profile", profile_.name},
-                    {"digest", profile_.digest},
-                    {"profile_document", profile_.source},
-                    {"connect", describe(link_->address())},
-                    {"unit", link_->options().unit},
-                    {"device", backup_.device},
-                    {"time", backup_.time},
-                    {"user", user_name()},
-                    {"backup", describe_backup(backup_, profile_)}};
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  json header{{"schema", journal_schema_name},
+              {"program", fmt::format("gyrator {}", version)},
+              {"command", options_.command},
+              {"profile", profile_.name},
+              {"digest", profile_.digest},
+              {"profile_document", profile_.source},
+              {"connect", describe(link_->address())},
+              {"unit", link_->options().unit},
+              {"device", backup_.device},
+              {"time", backup_.time},
+              {"begun", std::chrono::nanoseconds(now).count()},
+              {"user", user_name()},
+              {"backup", describe_backup(backup_, profile_)}};
+  // One that cannot be written, another user's, is restored all the same.
+  const bool reopens = !options_.restores.empty() && ::access(options_.restores.c_str(), W_OK) == 0;
+  if (reopens) header["restores"] = options_.restores;
   journal_ = std::make_unique<SettingsJournal>(path, header);
-  // Of several sessions that were cut off, the first knows what was there before.
-  lock_->note_journal(!options_.restores.empty() ? options_.restores
-                                                 : unfinished_.value_or(absolute(path).string()));
+  if (reopens) {
+    reopen_settings_journal(options_.restores);
+    std::vector<std::string> known = lock_->journals();
+    known.push_back(options_.restores);
+    unfinished_ = find_unfinished_journals(backup_.device, known);
+  }
+  note_journals();
   port_->use_journal(journal_.get());
+}
+
+// Other units' on the same line stay; what has ended meanwhile goes.
+void AmplifierSession::note_journals() {
+  std::vector<std::string> paths = lock_->journals();
+  for (const UnfinishedJournal& each : unfinished_) paths.push_back(each.path);
+  paths.push_back(name_journal(journal_->path()));
+  std::sort(paths.begin(), paths.end());
+  paths.erase(std::unique(paths.begin(), paths.end()), paths.end());
+  std::erase_if(paths, [](const std::string& path) { return !is_unfinished_journal(path); });
+  lock_->note_journals(std::move(paths));
+}
+
+std::string AmplifierSession::describe_way_back() const {
+  return fmt::format("gyrator restore --journal {} --apply{}",
+                     options_.restores.empty() ? journal_path() : options_.restores,
+                     options_.port.persist ? " --persist" : "");
 }
 
 std::string AmplifierSession::journal_path() const {
   return journal_ ? journal_->path().string() : std::string();
 }
 
-void AmplifierSession::finish(DeviceState state, bool nothing_left) {
+void AmplifierSession::finish(const SessionEnd& end) {
   ended_ = true;
   if (!journal_) return;
-  journal_->finish(state);
-  if (nothing_left && !(unfinished_ && options_.restores.empty())) lock_->finish();
+  journal_->finish(end.state, end.failed.empty());
+  note_journals();
+}
+
+// What began later knows only what the restored session had left behind.
+void AmplifierSession::close_restored() {
+  const auto restored =
+      std::find_if(unfinished_.begin(), unfinished_.end(),
+                   [&](const UnfinishedJournal& each) { return each.path == options_.restores; });
+  std::vector<std::string> over{options_.restores};
+  for (auto each = restored; each != unfinished_.end(); ++each)
+    if (each != restored) over.push_back(each->path);
+  for (const std::string& path : over) {
+    try {
+      close_settings_journal(path);
+    } catch (const Error& error) {
+      options_.warn(fmt::format("the settings are put back, but {}", error.what()));
+    }
+  }
+  note_journals();
 }
 
 SessionEnd AmplifierSession::restore() {
@@ -135,14 +182,15 @@ SessionEnd AmplifierSession::restore() {
   }
   if (profile_.excitation) port_->perform(profile_.excitation->stop, true);
   put_back(*port_, backup_, true, true);
-  finish(end.state, true);
+  finish(end);
   return end;
 }
 
 SessionEnd AmplifierSession::keep() {
   const bool changed = port_->has_written();
   const SessionEnd end{changed ? DeviceState::changed : DeviceState::safe, {}, journal_path()};
-  finish(end.state, true);
+  finish(end);
+  if (journal_ && !options_.restores.empty()) close_restored();
   return end;
 }
 
@@ -155,7 +203,9 @@ SessionEnd AmplifierSession::abandon() noexcept {
     AmplifierPort::SafeResult safe = port_->make_safe();
     end.state = safe.state;
     end.failed = std::move(safe.failed);
-    if (end.state == DeviceState::safe) {
+    if (end.state == DeviceState::safe && !options_.restores.empty()) {
+      end.failed.emplace_back("the restore did not come to its end: not all settings are put back");
+    } else if (end.state == DeviceState::safe) {
       put_back(*port_, backup_, false, true);
       if (!compare_settings(profile_, port_->read_settings(), backup_).empty()) {
         end.failed.emplace_back(
@@ -164,11 +214,12 @@ SessionEnd AmplifierSession::abandon() noexcept {
     }
   } catch (const std::exception& error) {
     end.failed.push_back(fmt::format("settings could not be put back: {}", error.what()));
-    const AmplifierPort::SafeResult again = port_->make_safe();
+    AmplifierPort::SafeResult again = port_->make_safe();
     end.state = again.state;
+    std::move(again.failed.begin(), again.failed.end(), std::back_inserter(end.failed));
   }
   try {
-    finish(end.state, end.state == DeviceState::safe && end.failed.empty());
+    finish(end);
   } catch (const std::exception& error) {
     end.failed.emplace_back(error.what());
   }
@@ -183,11 +234,12 @@ AmplifierSession::~AmplifierSession() {
     if (end.state == DeviceState::unknown) {
       options_.warn(fmt::format(
           "THE DEVICE IS NOT IN ITS SAFE STATE, or could not be asked: {}. Switch its power off, "
-          "or put everything back: gyrator restore --journal {} --apply",
-          join(end.failed, "; "), end.journal));
+          "or put everything back: {}",
+          join(end.failed, "; "), describe_way_back()));
     } else if (!end.failed.empty()) {
-      options_.warn(fmt::format("the device is in its safe state; {}. Its journal: {}",
-                                join(end.failed, "; "), end.journal));
+      options_.warn(
+          fmt::format("the device is in its safe state; {}. This puts everything back: {}",
+                      join(end.failed, "; "), describe_way_back()));
     } else if (wrote) {
       options_.warn("the device is in its safe state, its settings as they were");
     }

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +17,7 @@ struct SessionOptions {
   LinkOptions link;               ///< of make_link_options, with what the command line says
   std::string command;            ///< "identify", for the journal
   std::filesystem::path journal;  ///< empty: choose_journal_path
-  /// Of a restore: what to note in the lock until all is put back, instead of its own journal.
+  /// Of a restore, the journal whose backup is put back: it counts as unfinished until keep().
   std::string restores;
   /// Takes what a person must know at once; by default stderr.
   std::function<void(const std::string&)> warn;
@@ -38,7 +37,8 @@ struct SessionEnd {
 /// With `apply`: takes the lock, checks the identity, reads all settings and begins the journal
 /// with them, before anything is written. Then either restore() or keep() ends it; if neither is
 /// called, as after any exception, the destructor makes the device safe, puts the settings back
-/// with the drive off, and says loudly what it could not do and how to go on.
+/// with the drive off, and says loudly what it could not do and how to go on. A restore that fails
+/// does not go back to what the crash had left: it ends in the safe state, to be done again.
 class AmplifierSession {
  public:
   /// Throws what AmplifierPort, ModbusLink and SettingsLock throw.
@@ -56,20 +56,25 @@ class AmplifierSession {
   const SettingsBackup& backup() const { return backup_; }
   /// Empty without `apply`.
   std::string journal_path() const;
-  /// The journal of an earlier session with this device that did not end.
-  const std::optional<std::string>& unfinished_journal() const { return unfinished_; }
+  /// The journals of earlier sessions with this device that did not end, the oldest first: it
+  /// knows what was there before.
+  const std::vector<UnfinishedJournal>& unfinished_journals() const { return unfinished_; }
 
   /// Ends the session with every setting as it was, the drive too. Throws like a write; then the
   /// destructor does what it can.
   SessionEnd restore();
-  /// Ends the session with the settings as they are now.
+  /// Ends the session with the settings as they are now. Of a restore, they are as its journal has
+  /// them: that one and those begun later have nothing left to put back.
   SessionEnd keep();
   /// Ends the session as after an exception: safe, and the settings put back with the drive off.
   SessionEnd abandon() noexcept;
 
  private:
   void begin_journal();
-  void finish(DeviceState state, bool nothing_left);
+  void finish(const SessionEnd& end);
+  void close_restored();
+  void note_journals();
+  std::string describe_way_back() const;
 
   DeviceProfile profile_;
   SessionOptions options_;
@@ -78,7 +83,7 @@ class AmplifierSession {
   std::unique_ptr<SettingsJournal> journal_;
   std::unique_ptr<AmplifierPort> port_;
   SettingsBackup backup_;
-  std::optional<std::string> unfinished_;
+  std::vector<UnfinishedJournal> unfinished_;
   bool ended_ = false;
 };
 

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 namespace gyrator {
 namespace {
@@ -61,11 +62,16 @@ void AmplifierPort::write(std::string_view name, double value) {
 void AmplifierPort::write_content(const SettingValue& content, bool was_there) {
   const DeviceRegister& place = profile_.at(content.name);
   check_access(place);
-  // What the device had may lie off the step, but never beyond the limits.
-  if (content.value && !was_there) {
+  if (was_there) return write_raw(place, take_raw(place, content.words));
+  if (content.value) {
+    // What the device had may lie off the step, but never beyond the limits.
     DeviceRegister without_step = place;
     without_step.step.reset();
     check_value(without_step, *content.value);
+  } else if (!place.readable || take_value(place, read_words(place)).pattern != content.pattern) {
+    // No limit holds what stands for no value, such as a float that is no number.
+    refuse(place, fmt::format("0x{:04X} stands for no value, and the register has one",
+                              fmt::join(content.words, " 0x")));
   }
   write_raw(place, take_raw(place, content.words));
 }

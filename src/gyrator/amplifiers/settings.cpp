@@ -206,13 +206,19 @@ std::string describe_contents(const std::vector<SettingChange>& contents) {
 
 std::string describe_device(const LinkAddress& address, int unit) {
   if (const auto* line = std::get_if<SerialAddress>(&address)) {
-    std::error_code unknown;
-    const auto device = std::filesystem::canonical(line->device, unknown);
-    return fmt::format("rtu://{} unit {}", unknown ? line->device : device.string(), unit);
+    return fmt::format("{} unit {}", describe_line(*line, unit), unit);
   }
   TcpAddress tcp = std::get<TcpAddress>(address);
   if (tcp.host == "localhost" || tcp.host == "::1") tcp.host = "127.0.0.1";
   return fmt::format("{} unit {}", describe(LinkAddress(tcp)), unit);
+}
+
+std::string describe_line(const LinkAddress& address, int unit) {
+  const auto* line = std::get_if<SerialAddress>(&address);
+  if (line == nullptr) return describe_device(address, unit);
+  std::error_code unknown;
+  const auto device = std::filesystem::canonical(line->device, unknown);
+  return "rtu://" + (unknown ? line->device : device.string());
 }
 
 std::string describe_time_now() {

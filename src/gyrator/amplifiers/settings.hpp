@@ -70,6 +70,9 @@ std::string describe_contents(const std::vector<SettingChange>& contents);
 /// "tcp://127.0.0.1:1502 unit 1": the same for the same device, where that can be known; a serial
 /// line without its settings.
 std::string describe_device(const LinkAddress& address, int unit);
+/// What only one process may use at a time: a serial line whatever the unit, for it has room for
+/// one master; of TCP, the device.
+std::string describe_line(const LinkAddress& address, int unit);
 
 /// "2026-11-21T20:15:00Z"
 std::string describe_time_now();

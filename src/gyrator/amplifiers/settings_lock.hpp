@@ -1,19 +1,20 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
+#include <vector>
 
 namespace gyrator {
 
-/// One process at a time may write to a device: a lock file per device address, in
-/// $XDG_RUNTIME_DIR or /tmp. It ends with the process, however that ends; what the file says of its
-/// last holder stays, so that the next one knows of a session that was cut off.
+/// One process at a time may write to a device, of whichever user: a lock file per device address
+/// or serial line in /run/lock, or in /tmp where not everybody may write there. The lock ends with
+/// the process, however that ends. The file may name journals of sessions that were cut off, as a
+/// hint until the next restart; without any, it goes with the lock.
 class SettingsLock {
  public:
-  /// `device` as describe_device gives it. Throws device, naming the process that has it, where
+  /// `what` as describe_line gives it. Throws device, naming the process that has it, where
   /// another one does; device with the system's reason where the file cannot be made.
-  explicit SettingsLock(const std::string& device);
+  explicit SettingsLock(const std::string& what);
   ~SettingsLock();
 
   SettingsLock(const SettingsLock&) = delete;
@@ -21,22 +22,20 @@ class SettingsLock {
   SettingsLock(SettingsLock&&) = delete;
   SettingsLock& operator=(SettingsLock&&) = delete;
 
-  /// The journal of the holder before, where it did not end as it should.
-  const std::optional<std::string>& unfinished_journal() const { return unfinished_; }
-
-  /// Notes where this session's journal is, for whoever comes after a crash.
-  void note_journal(const std::string& journal);
-  /// The session has ended and left nothing to put back; without it the note stays.
-  void finish();
+  /// The journals that the holders before have noted.
+  const std::vector<std::string>& journals() const { return journals_; }
+  /// Notes them for whoever comes after a crash, instead of those before. Costs only the hint where
+  /// the file is another user's and cannot be written.
+  void note_journals(std::vector<std::string> journals);
 
   const std::filesystem::path& path() const { return path_; }
 
  private:
-  void write_note(const std::string& journal) const;
+  void write_note() const;
 
   std::filesystem::path path_;
   int file_ = -1;
-  std::optional<std::string> unfinished_;
+  std::vector<std::string> journals_;
 };
 
 }  // namespace gyrator

@@ -138,7 +138,7 @@ RestoreTask read_task(const SettingsOptions& options) {
     check_profile_name(content.backup, load_device_profile(device.profile), journal);
   }
   DeviceSetup setup = make_device_setup(device, "restore", std::move(content.profile));
-  setup.session.restores = std::filesystem::absolute(journal).string();
+  setup.session.restores = journal;
   return {std::move(setup), std::move(content.backup)};
 }
 
@@ -149,10 +149,11 @@ void run_restore(const SettingsOptions& options) {
   AmplifierPort& port = session->port();
   if (apply && session->profile().excitation)
     port.perform(session->profile().excitation->stop, true);
-  const std::vector<SettingChange> plan = put_back(port, task.backup, true);
-  SessionEnd end = apply ? session->keep() : session->restore();
   const bool by_journal = !options.device.journal.empty();
-  if (apply && by_journal) close_settings_journal(options.device.journal);
+  // What a session had found goes back whatever the profile allows; --limit still holds if given.
+  const bool was_there = by_journal && options.device.limits.empty();
+  const std::vector<SettingChange> plan = put_back(port, task.backup, true, was_there);
+  SessionEnd end = apply ? session->keep() : session->restore();
   // Of a journal: everything is as it was. Of a backup: it is as was wanted now.
   end.state = apply && !by_journal && !plan.empty() ? DeviceState::changed : DeviceState::safe;
   std::string text;

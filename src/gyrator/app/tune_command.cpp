@@ -210,7 +210,7 @@ SessionEnd keep_tuned(AmplifierSession& session, const ModbusBench& bench, Tunin
   for (SettingValue& setting : wanted.settings)
     if (std::find(kept.begin(), kept.end(), setting.name) != kept.end())
       if (const SettingValue* found = now.find(setting.name)) setting = *found;
-  put_back(port, wanted, true);
+  put_back(port, wanted, true, true);
   if (persist) port.keep_settings();
   return session.keep();
 }
