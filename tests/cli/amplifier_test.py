@@ -4,10 +4,12 @@ import json
 import os
 import random
 import socket
+import stat
 import subprocess
 import threading
 import time
 import unittest
+from pathlib import Path
 
 from peer import PROFILE, Peer
 from program import ProgramTest, ROOT, program, with_value
@@ -129,6 +131,44 @@ class SettingsTest(AmplifierTest):
         self.assertEqual((answer.code, answer.json["state"]), (0, "safe"), answer)
         self.assertEqual(self.run_program("diff", before, *self.device(peer)).code, 0)
 
+    def test_a_journal_goes_back_beyond_the_profiles_limits_but_not_beyond_those_given(self):
+        peer = self.peer()
+        before = self.backup(peer)  # 2 A
+        narrow = self.write_profile("/registers/7/max", 1000)
+        wanted = self.changed_backup(before, current_limit=[700])
+        answer = self.run_program("restore", wanted, "--connect", peer.url, "--profile", narrow, "--apply", "--json")
+        self.assertEqual(answer.code, 0, answer)
+        journal = answer.json["journal"]
+        self.assert_refused(self.run_program("restore", "--journal", journal, "--apply", "--limit", "current_limit=1A"),
+                            "2000 mA", "--limit allows at most 1000 mA", "did not come to its end",
+                            f"gyrator restore --journal {journal} --apply", code=4)
+        answer = self.run_program("restore", "--journal", journal, "--apply")
+        self.assertEqual((answer.code, answer.err), (0, ""), answer)
+        self.assertEqual(self.run_program("diff", before, *self.device(peer)).code, 0)
+
+    def test_a_malformed_journal_is_refused_with_its_line(self):
+        peer = self.peer()
+        answer = self.run_program("restore", self.changed_backup(self.backup(peer), current_limit=[700]),
+                                  *self.device(peer), "--apply", "--json")
+        good = Path(answer.json["journal"]).read_text()
+        for text, words in (('{"schema":5}\n', ("bad.jsonl", "is no journal")),
+                            (good + '{"write":5}\n', (f"bad.jsonl: line {good.count(chr(10)) + 1}", '"write": 5')),
+                            (good + '{"state":7}\n', (f"bad.jsonl: line {good.count(chr(10)) + 1}", '"state": 7')),
+                            (good.replace('"unit":7', '"unit":"x"'), ("bad.jsonl", "line 1", '"unit"'))):
+            with self.subTest(text[-20:]):
+                (self.folder / "bad.jsonl").write_text(text)
+                self.assert_refused(self.run_program("restore", "--journal", "bad.jsonl"), *words)
+
+    def test_words_that_stand_for_no_value_are_refused(self):
+        peer = self.peer()
+        before = self.backup(peer)
+        narrow = self.write_profile("/registers/7/not_implemented", 65535)
+        wanted = self.changed_backup(before, current_limit=[65535])
+        self.assert_refused(
+            self.run_program("restore", wanted, "--connect", peer.url, "--profile", narrow, "--apply"),
+            "current_limit", "0xFFFF", "no value", code=4)
+        self.assertEqual(self.run_program("diff", before, *self.device(peer)).code, 0)
+
     def test_killed_at_any_moment_it_is_put_back_from_the_journal(self):
         peer = self.peer("--turnaround", 0.01)
         before = self.backup(peer)
@@ -236,7 +276,11 @@ class DeviceFailureTest(AmplifierTest):
         peer = self.peer()
         before = self.backup(peer)
         port = peer.url.rsplit(":", 1)[1]
-        with open(self.folder / f"gyrator-tcp___127.0.0.1_{port}_unit_7.lock", "w+", encoding="utf-8") as lock:
+        common = Path("/run/lock")
+        folder = common if common.is_dir() and common.stat().st_mode & stat.S_IWOTH else Path("/tmp")
+        path = folder / f"gyrator-tcp___127.0.0.1_{port}_unit_7.lock"
+        self.addCleanup(path.unlink, missing_ok=True)
+        with open(path, "w+", encoding="utf-8") as lock:
             lock.write("pid 4711\n")
             lock.flush()
             fcntl.flock(lock, fcntl.LOCK_EX)
