@@ -2,10 +2,13 @@
 #include "gyrator/amplifiers/amplifier_session.hpp"
 #include "gyrator/core/error.hpp"
 
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <fcntl.h>
 #include <fstream>
+#include <memory>
+#include <set>
 #include <string>
 #include <sys/stat.h>
 
@@ -97,6 +100,28 @@ TEST_F(UnfinishedJournals, SettingsThatCouldNotBePutBackAreNotForgotten) {
   restore(journal);
   EXPECT_EQ(device.bank.get("damping_resistance"), 12);
   EXPECT_TRUE(find_hints().empty());
+}
+
+TEST_F(UnfinishedJournals, WhatFailsWhilePuttingBackAndAfterwardsIsAllSaid) {
+  auto put_back_breaks = std::make_shared<std::atomic<bool>>(false);
+  auto is_broken = std::make_shared<std::atomic<bool>>(false);
+  ServerHooks hooks;
+  hooks.before_request = [=](auto request) -> std::optional<ModbusException> {
+    const bool writes_damping = request[0] == 16 && request[2] == *damping_registers.begin();
+    if (*put_back_breaks && writes_damping) *is_broken = true;
+    if (*is_broken) return ModbusException::device_failure;
+    return {};
+  };
+  ServedProfile fragile("gyrator_twin", hooks);
+  fragile.bank.put("damping_resistance", 12);
+  {
+    AmplifierSession session(fragile.profile, fragile.address(), options());
+    session.port().write("damping_resistance", 60);
+    *put_back_breaks = true;
+  }
+  ASSERT_EQ(said.size(), 1U);
+  for (const char* words : {"NOT IN ITS SAFE STATE", "could not be put back", "enable = "})
+    EXPECT_NE(said[0].find(words), std::string::npos) << said[0];
 }
 
 TEST_F(UnfinishedJournals, ARestoreThatFailsIsStillToBeDone) {
