@@ -78,7 +78,8 @@ class TwinIdentifyTest(IdentifyTest):
         before = self.backup(twin.where[0], "before.json")
         answer = self.identify(twin.where[0])
         self.assertEqual(answer.code, 0, answer)
-        for words in ("winding and amplifier", "friction", "damping_connected", "excitation_amplitude", "Dry run"):
+        for words in ("winding and amplifier", "friction", "damping_connected", "excitation_amplitude", "Dry run",
+                      "excitation_end_frequency", "excitation_run", "capture_arm", "watchdog", "advance_time"):
             self.assertIn(words, answer.out)
         self.assertEqual(self.backup(twin.where[0], "after.json"), before)
         answer = self.identify(twin.where[0], "--json")
@@ -147,15 +148,34 @@ class TwinIdentifyTest(IdentifyTest):
         twin = self.twin()
         before = self.backup(twin.where[0], "before.json")
         words = [program(), "identify", "--connect", twin.where[0], "--profile", "gyrator_twin", "--apply"]
-        with subprocess.Popen(words, cwd=self.folder, env=self.environment, stdout=subprocess.PIPE,
-                              stderr=subprocess.PIPE, text=True) as process:
-            for _ in range(3):
-                process.stderr.readline()
-            process.send_signal(signal.SIGINT)
-            out, err = process.communicate(timeout=20)
-        self.assertEqual(process.returncode, 130, err)
-        self.assertEqual(out, "")
-        self.assertEqual(self.backup(twin.where[0], "after.json"), before)
+        # timeout(1) and a closing terminal say it twice.
+        for signals in ((signal.SIGINT,), (signal.SIGTERM, signal.SIGTERM), (signal.SIGHUP, signal.SIGHUP)):
+            with subprocess.Popen(words, cwd=self.folder, env=self.environment, stdout=subprocess.PIPE,
+                                  stderr=subprocess.PIPE, text=True) as process:
+                for _ in range(3):
+                    process.stderr.readline()
+                for each in signals:
+                    process.send_signal(each)
+                    time.sleep(0.002)
+                out, err = process.communicate(timeout=20)
+            self.assertEqual(process.returncode, 130, err)
+            self.assertEqual(out, "")
+            self.assertEqual(self.backup(twin.where[0], "after.json"), before)
+
+    def test_a_reader_that_goes_away_changes_nothing(self):
+        twin = self.twin("--time-scale", "max")
+        before = self.backup(twin.where[0], "before.json")
+        words = [program(), "identify", "--connect", twin.where[0], "--profile", "gyrator_twin", "--apply"]
+        for broken, code in (("stderr", 0), ("stdout", 2)):
+            reader, writer = os.pipe()
+            os.close(reader)
+            streams = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, broken: writer}
+            done = subprocess.run(words, cwd=self.folder, env=self.environment, text=True, timeout=60, **streams)
+            os.close(writer)
+            self.assertEqual(done.returncode, code, done)
+            if broken == "stdout":
+                self.assertIn("stdout: cannot be written", done.stderr)
+            self.assertEqual(self.backup(twin.where[0], "after.json"), before)
 
     def test_bad_input_names_the_option(self):
         for options, words in ((("--share", "200 %"), "--share: 200 %: must be from 2 % to 90 %"),

@@ -193,6 +193,15 @@ class RefusalTest(TuneTest):
         self.assertIn("torque constant", answer.json["explanation"])
         self.assertEqual(self.changed(device), set())
 
+    def test_settings_that_cannot_be_kept_are_refused_before_the_first_write(self):
+        profile = json.loads((INTEGER_PROFILE.parent / "gyrator_twin.json").read_text())
+        del profile["persist"]
+        (self.folder / "forgetful.json").write_text(json.dumps(profile))
+        answer = self.tune(motor(), *self.device(self.twin().where[0], "forgetful.json"), "--apply", "--persist")
+        self.assertEqual(answer.code, 2, answer)
+        self.assertIn("--persist: gyrator twin: its profile knows no way", answer.err)
+        self.assertEqual(list(self.folder.glob("state/gyrator/*.jsonl")), [])
+
     def test_mistakes_are_named(self):
         for arguments, words in [
                 (("--margin", "0.5"), ["--margin", "at least 1"]),
@@ -282,6 +291,31 @@ class FaultTest(TuneTest):
             self.put_back(device)
             self.assertEqual(self.changed(device), set())
         self.assertGreater(changed, 0)
+
+    def test_a_reader_of_the_progress_that_goes_away_changes_nothing(self):
+        twin = self.twin()
+        device = self.device(twin.where[0])
+        self.run_program("backup", *device, "-o", "before.json")
+        reader, writer = os.pipe()
+        os.close(reader)
+        process = subprocess.run([program(), "tune", self.write_model(motor()), *device, "--apply", "-o", "tuned.json"],
+                                 cwd=self.folder, env=self.environment, stdout=subprocess.DEVNULL, stderr=writer,
+                                 timeout=60)
+        os.close(writer)
+        self.assertEqual(process.returncode, 0)
+        result = json.loads((self.folder / "tuned.json").read_text())
+        self.assertEqual((result["outcome"], result["state"]), ("reached", "changed"))
+
+    def test_a_fault_of_the_session_before_does_not_stand_in_the_way(self):
+        twin = self.twin("--velocity-limit", "20 rad/s")
+        device = self.device(twin.where[0])
+        self.run_program("backup", *device, "-o", "before.json")
+        for again in (False, True):  # overspeed, each time anew
+            answer = self.tune(motor(), *device, "--apply", "--current", "1 A")
+            self.assertEqual(answer.code, 4, answer)
+            self.assertIn("overspeed during", answer.err)
+            self.assertEqual("from before is cleared: overspeed" in answer.err, again, answer)
+            self.assertEqual(self.changed(device), set())
 
     def test_ctrl_c_leaves_it_safe_and_as_it_was(self):
         twin = self.twin()

@@ -3,6 +3,7 @@
 #include "gyrator/amplifiers/device_profile.hpp"
 #include "gyrator/amplifiers/settings.hpp"
 #include "gyrator/amplifiers/settings_journal.hpp"
+#include "gyrator/core/interrupt.hpp"
 #include "gyrator/modbus/modbus_link.hpp"
 
 #include <chrono>
@@ -105,8 +106,11 @@ class AmplifierPort {
     std::vector<std::string> failed;  ///< what could not be done, and why
     bool answers = true;              ///< to the last request
   };
-  /// Drive off first, then the generator, then every register's safe value, each read back; tries
-  /// over new connections for safe_patience. Never throws; a Ctrl-C meanwhile ends the process.
+  /// Drive off first, before anything is read, then the generator, then every register's safe
+  /// value, each read back; tries over new connections, and while the device is busy, for
+  /// safe_patience. A safe value is cut to --limit; a register `..._limit` that stands lower
+  /// already and, without `persist`, persistent ones stay as they are. Never throws; from here on,
+  /// as long as the port lives, Ctrl-C, SIGTERM and SIGHUP are only answered (InterruptShield).
   SafeResult make_safe() noexcept;
 
  private:
@@ -124,8 +128,13 @@ class AmplifierPort {
                         bool can_look, bool repeatable = false);
   void verify(const DeviceRegister& place, const Words& wanted);
   void reconnect_patiently(std::chrono::steady_clock::time_point until);
-  void make_safe_step(const DeviceRegister& place, double value, bool can_verify,
+  enum class SafeStep { drive_off, action, setting };
+  void make_safe_step(const DeviceRegister& place, double value, SafeStep step,
                       std::chrono::steady_clock::time_point until, SafeResult& result);
+  bool try_safe_step(const DeviceRegister& place, double value, SafeStep step);
+  void journal_safe_step(const DeviceRegister& place, const Words& before, const Words& wanted,
+                         SafeStep step) noexcept;
+  double find_safe_value(const DeviceRegister& place) const;
   bool advance_clock(double seconds);
 
   const DeviceProfile& profile_;
@@ -139,6 +148,7 @@ class AmplifierPort {
   int since_fed_ = 0;        // requests
   bool clock_moves_ = true;  // what is written to it moves the device's time
   bool feeding_ = false;
+  std::optional<InterruptShield> shield_;
 };
 
 }  // namespace gyrator

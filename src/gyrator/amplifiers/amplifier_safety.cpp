@@ -104,7 +104,51 @@ void AmplifierPort::wait(double seconds) {
   }
 }
 
-void AmplifierPort::make_safe_step(const DeviceRegister& place, double value, bool can_verify,
+// The safe value within --limit, on the register's step.
+double AmplifierPort::find_safe_value(const DeviceRegister& place) const {
+  const auto given = options_.limits.find(place.name);
+  if (given == options_.limits.end() || std::fabs(*place.safe) <= given->second) return *place.safe;
+  const double limit = given->second;
+  const double nearest = find_nearest_value(place, std::copysign(limit, *place.safe));
+  constexpr double slack = 1e-6;  // what the rounding to a 32-bit float may add, and no step
+  if (std::fabs(nearest) <= limit * (1 + slack)) return nearest;
+  const double step = place.step.value_or(std::fabs(place.scale * place.factor));
+  return find_nearest_value(place, nearest - std::copysign(step, nearest));
+}
+
+// On the disk before it goes out, like any write; a disk that is full must not keep a device from
+// its safe state, and a slow one not a motor from being switched off. What a restore needs is the
+// backup, which was there before.
+void AmplifierPort::journal_safe_step(const DeviceRegister& place, const Words& before,
+                                      const Words& wanted, SafeStep step) noexcept {
+  if (journal_ == nullptr) return;
+  try {
+    if (step == SafeStep::setting) return journal_->intend(place, before, wanted);
+    journal_->note({{"write", place.name}, {"new", wanted}, {"safe", true}});
+  } catch (const std::exception&) {  // without
+  }
+}
+
+// Whether the register is as it is to be; LinkError where that could not be done or asked.
+bool AmplifierPort::try_safe_step(const DeviceRegister& place, double value, SafeStep step) {
+  Words base(static_cast<std::size_t>(place.words()));
+  // Of a bit field the neighbours must be known.
+  const bool must_look = place.readable && (step == SafeStep::setting || place.bits);
+  if (must_look) base = read_from_device(place);
+  const Words wanted = put_raw(place, to_raw(place, value), base);
+  if (must_look && step == SafeStep::setting) {
+    if (wanted == base) return true;
+    const std::optional<double> now = take_value(place, base).value;
+    if (place.name.ends_with("_limit") && now && *now <= value) return true;  // tighter
+  }
+  journal_safe_step(place, must_look ? base : Words{}, wanted, step);
+  send_words(place, wanted);
+  if (step == SafeStep::action || !place.readable) return true;
+  sleep_for(place.settle);
+  return take_value(place, read_from_device(place)).pattern == take_value(place, wanted).pattern;
+}
+
+void AmplifierPort::make_safe_step(const DeviceRegister& place, double value, SafeStep step,
                                    steady_clock::time_point until, SafeResult& result) {
   const auto fail = [&](const std::string& reason) {
     result.failed.push_back(fmt::format("{} = {} ({}): {}", place.name,
@@ -117,33 +161,24 @@ void AmplifierPort::make_safe_step(const DeviceRegister& place, double value, bo
   constexpr int most_disobedience = 5;  // of a device that answers and does otherwise
   for (int disobeyed = 0; disobeyed < most_disobedience;) {
     try {
-      Words base(static_cast<std::size_t>(place.words()));
-      const RawValue raw = to_raw(place, value);
-      if (can_verify || place.bits) base = read_from_device(place);
-      const Words wanted = put_raw(place, raw, base);
-      if (can_verify && wanted == base) {
-        result.answers = true;
-        return;
-      }
-      if (journal_ != nullptr)
-        journal_->note({{"write", place.name}, {"new", wanted}, {"safe", true}});
-      send_words(place, wanted);
+      const bool is_done = try_safe_step(place, value, step);
       result.answers = true;
-      if (!can_verify) return;
-      sleep_for(place.settle);
-      if (take_value(place, read_from_device(place)).pattern == take_value(place, wanted).pattern)
-        return;
+      if (is_done) return;
       reason = "it does not keep what is written to it";
       ++disobeyed;
     } catch (const LinkError& error) {
       reason = error.what();
+      const bool is_busy = error.exception() == ModbusException::device_busy ||
+                           error.exception() == ModbusException::acknowledge;
       const bool answers =
           error.fault() == LinkFault::exception || error.fault() == LinkFault::garbled;
-      if (answers) ++disobeyed;
+      if (answers && !is_busy) ++disobeyed;
       result.answers = answers;
-      if (!answers && steady_clock::now() >= until) break;
+      if ((!answers || is_busy) && steady_clock::now() >= until) break;
       sleep_for(look_again);
       if (error.fault() != LinkFault::exception) link_.disconnect();
+    } catch (const Error& error) {  // the other registers may still be made safe
+      return fail(error.what());
     }
   }
   fail(reason);
@@ -153,21 +188,24 @@ AmplifierPort::SafeResult AmplifierPort::make_safe() noexcept {
   SafeResult result;
   try {
     if (!options_.apply) return result;
-    // The link refuses to work while a Ctrl-C is unheard; this is what it asks for.
+    // The link refuses to work while a Ctrl-C is unheard; this is what it asks for, and another
+    // one must not cut it off.
+    if (!shield_) shield_.emplace();
     acknowledge_interrupt();
     feeding_ = true;  // a watchdog that bites now is welcome
     const auto until =
         steady_clock::now() + std::chrono::duration_cast<steady_clock::duration>(
                                   std::chrono::duration<double>(options_.safe_patience));
     if (const DeviceRegister* enable = profile_.find("enable"); enable != nullptr)
-      make_safe_step(*enable, 0, enable->readable, until, result);
+      make_safe_step(*enable, 0, SafeStep::drive_off, until, result);
     if (profile_.excitation) {
       const DeviceAction& stop = profile_.excitation->stop;
-      make_safe_step(profile_.at(stop.register_name), stop.value, false, until, result);
+      make_safe_step(profile_.at(stop.register_name), stop.value, SafeStep::action, until, result);
     }
     for (const DeviceRegister& place : profile_.registers) {
       if (!place.safe || !place.writable || place.name == "enable") continue;
-      make_safe_step(place, *place.safe, place.readable, until, result);
+      if (place.persistent && !options_.persist) continue;
+      make_safe_step(place, find_safe_value(place), SafeStep::setting, until, result);
     }
     feeding_ = false;
   } catch (const std::exception& error) {

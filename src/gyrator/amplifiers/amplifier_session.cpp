@@ -95,6 +95,17 @@ AmplifierSession::AmplifierSession(DeviceProfile profile, const LinkAddress& add
                     "gyrator restore --journal {} --apply",
                     device, unfinished_.front().path));
   }
+  if (options_.port.apply) clear_old_fault();
+}
+
+// Of an earlier session; an amplifier with a fault has switched itself off.
+void AmplifierSession::clear_old_fault() {
+  if (!profile_.fault || !profile_.fault->clear) return;
+  const std::vector<std::string> faults = port_->read_faults();
+  if (faults.empty()) return;
+  options_.warn(
+      fmt::format("{}: a fault from before is cleared: {}", backup_.device, join(faults, ", ")));
+  port_->clear_fault();
 }
 
 void AmplifierSession::begin_journal() {

@@ -71,6 +71,7 @@ class AmplifierSession {
 
  private:
   void begin_journal();
+  void clear_old_fault();
   void finish(const SessionEnd& end);
   void close_restored();
   void note_journals();

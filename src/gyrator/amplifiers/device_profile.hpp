@@ -127,8 +127,8 @@ const Member& amplifier_format();
 /// JSON pointer, for what is not as amplifier_format says, and for a profile that contradicts
 /// itself: names given twice, registers on top of one another, a range that the type cannot hold, a
 /// step off the register's resolution, limits out of order, references to registers that are not
-/// there or cannot be read or written as they must be, units of another dimension than a well-known
-/// name has.
+/// there or cannot be read or written as they must be, bit fields for watchdog and clock or that
+/// can only be written, units of another dimension than a well-known name has.
 DeviceProfile load_device_profile(const std::string& path_or_name);
 DeviceProfile parse_device_profile(const nlohmann::json& document, const std::string& file);
 

@@ -37,6 +37,11 @@ void check_bits(const DeviceRegister& place, const std::string& where) {
     refuse(where + "/bits", fmt::format("up to bit {}: {} has {}", last - 1, name_of(place.type),
                                         16 * place.words()));
   }
+  if (!place.readable) {
+    refuse(where + "/access",
+           "a bit field that can only be written: the other bits of its word, which nobody can "
+           "read, would be lost");
+  }
 }
 
 void check_type(const DeviceRegister& place, const std::string& where) {
@@ -226,6 +231,17 @@ void check_well_known(const DeviceProfile& profile) {
   }
 }
 
+// Written in haste or as time goes by, without a look at the other bits of the word.
+void check_whole_words(const DeviceProfile& profile) {
+  const auto check = [&](const std::string& name, const char* where) {
+    if (!profile.at(name).bits) return;
+    refuse(fmt::format("{}: {}", profile.file, where),
+           fmt::format("'{}': is a bit field: a whole register is needed", name));
+  };
+  if (profile.watchdog) check(profile.watchdog->feed.register_name, "/watchdog/register");
+  if (profile.clock) check(profile.clock->advance, "/clock/advance");
+}
+
 }  // namespace
 
 void check_register(const DeviceRegister& place, const std::string& where) {
@@ -241,6 +257,7 @@ void check_device_profile(const DeviceProfile& profile) {
     check_register(profile.registers[i], fmt::format("{}: /registers/{}", profile.file, i));
   check_well_known(profile);
   check_overlaps(profile);
+  check_whole_words(profile);
 }
 
 }  // namespace gyrator

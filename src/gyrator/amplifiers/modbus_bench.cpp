@@ -57,11 +57,43 @@ std::vector<double>& samples_of(Capture& capture, CaptureSignal signal) {
   return capture.position;
 }
 
+void check_memory(const DeviceProfile& profile) {
+  for (const std::string& name : find_experiment_registers(profile)) {
+    if (!profile.at(name).persistent) continue;
+    refuse(name, "is in persistent memory, by the profile: experiments write it again and again");
+  }
+}
+
 }  // namespace
+
+std::vector<std::string> find_experiment_registers(const DeviceProfile& profile) {
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& name) {
+    const bool is_new = std::find(names.begin(), names.end(), name) == names.end();
+    if (!name.empty() && profile.find(name) != nullptr && is_new) names.push_back(name);
+  };
+  add("drive_mode");
+  if (profile.excitation) {
+    const DeviceExcitation& e = *profile.excitation;
+    for (const std::string& name : {e.kind, e.amplitude, e.offset, e.frequency, e.end_frequency,
+                                    e.duration, e.start.register_name, e.stop.register_name})
+      add(name);
+  }
+  if (profile.capture) {
+    const DeviceCapture& c = *profile.capture;
+    for (const std::string& name : {c.delay, c.decimation, c.samples, c.arm.register_name, c.page})
+      add(name);
+  }
+  add("enable");
+  if (profile.watchdog) add(profile.watchdog->feed.register_name);
+  if (profile.clock) add(profile.clock->advance);
+  return names;
+}
 
 ModbusBench::ModbusBench(AmplifierPort& port)
     : port_(port), excitation_(generator_of(port.profile())), capture_(buffer_of(port.profile())) {
   const DeviceProfile& profile = port_.profile();
+  check_memory(profile);
   limits_.shortest_period = capture_.period;
   limits_.most_samples = capture_.max_samples;
   limits_.longest_duration = range_of(profile.at(excitation_.duration)).high;
@@ -122,6 +154,18 @@ SettingRange ModbusBench::setting_range(std::string_view name) const {
 }
 
 void ModbusBench::write_setting(std::string_view name, double value) {
+  const DeviceRegister& place = port_.profile().at(name);
+  if (place.persistent) {
+    if (place.readable && port_.read(name) == find_nearest_value(place, value)) return;
+    throw Error(ErrorCode::device, fmt::format("{} ({})", place.name, place.describe_place()),
+                fmt::format("refused: {}: it is in persistent memory, which experiments would wear "
+                            "out{}{}",
+                            describe_value(place, value), place.write_cost.empty() ? "" : ", ",
+                            place.write_cost));
+  }
+  // What is set under a running motor would be felt at once.
+  if (!is_off_ && has_setting("enable")) port_.write("enable", 0);
+  is_off_ = true;
   port_.write(name, value);
   if (name.ends_with("_limit")) read_limits();
 }
@@ -241,23 +285,30 @@ void ModbusBench::play(const Excitation& excitation, const CaptureRequest& reque
   }
 }
 
-// Off before anything else; where the link is in the way, with all patience.
-void ModbusBench::switch_off() {
+// Off before anything else; where the link is in the way, with all patience. `cause`: the error
+// that ended the run, if one did.
+void ModbusBench::switch_off(const std::string& cause) {
+  std::string reason;
   try {
     if (!interrupt_requested()) {
       if (has_setting("enable")) port_.write("enable", 0);
       port_.perform(excitation_.stop, true);
       return;
     }
-  } catch (const Error&) {  // below with more patience
+  } catch (const Error& error) {  // below with more patience
+    reason = error.what();
   }
   const bool was_interrupted = interrupt_requested();
   const AmplifierPort::SafeResult safe = port_.make_safe();
+  const std::string after = cause.empty() ? "" : "; before that: " + cause;
+  const std::string& device = port_.profile().name;
   if (safe.state == DeviceState::unknown) {
-    throw Error(ErrorCode::device, port_.profile().name,
-                "THE DRIVE COULD NOT BE SWITCHED OFF: " + join(safe.failed, "; "));
+    throw Error(ErrorCode::device, device,
+                "THE DRIVE COULD NOT BE SWITCHED OFF: " + join(safe.failed, "; ") + after);
   }
-  if (was_interrupted) throw Error(ErrorCode::interrupted, port_.profile().name, "interrupted");
+  if (was_interrupted) throw Error(ErrorCode::interrupted, device, "interrupted" + after);
+  // Every `safe` value stands now: nothing that goes on would be with the settings it was for.
+  throw Error(ErrorCode::device, device, "switched off only by its safe state: " + reason + after);
 }
 
 Capture ModbusBench::run(const Excitation& excitation, const CaptureRequest& request) {
@@ -272,13 +323,17 @@ Capture ModbusBench::run(const Excitation& excitation, const CaptureRequest& req
   capture.period = request.period;
   capture.winding_temperature_before = winding_temperature();
   if (has_setting("enable")) port_.write("enable", 0);
+  is_off_ = true;  // and at the end of a run again
   try {
     play(excitation, request);
-  } catch (...) {
-    switch_off();
+  } catch (const Error& error) {
+    switch_off(error.code() == ErrorCode::interrupted ? "" : error.what());
+    throw;
+  } catch (const std::exception& error) {
+    switch_off(error.what());
     throw;
   }
-  switch_off();
+  switch_off({});
   check_faults("at the end of the excitation");
   read_buffer(request.samples, capture);
   capture.winding_temperature_after = winding_temperature();

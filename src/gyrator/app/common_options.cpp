@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 
@@ -119,6 +120,10 @@ void deliver(const CommonOptions& options, nlohmann::json result, const std::str
   } else if (!options.quiet) {
     fmt::print("{}", text);
   }
+}
+
+void print_note(const std::string& text) noexcept {
+  std::fwrite(text.data(), 1, text.size(), stderr);
 }
 
 std::string describe_nominal_values(const Model& model, const char* judged) {

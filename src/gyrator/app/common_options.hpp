@@ -44,6 +44,9 @@ void check_files(const std::vector<NamedFile>& inputs, const std::vector<NamedFi
 /// Plots, the result file, and on stdout `text` or, with --json, the result.
 void deliver(const CommonOptions& options, nlohmann::json result, const std::string& text);
 
+/// A remark or progress on stderr; where nobody can read that any more, the work goes on without.
+void print_note(const std::string& text) noexcept;
+
 /// A line that says how many quantities of the model have a tolerance, which this command leaves
 /// out; empty where none has. `judged`: "Judged", "Simulated".
 std::string describe_nominal_values(const Model& model, const char* judged = "Computed");

@@ -105,6 +105,11 @@ DeviceSetup make_device_setup(const DeviceOptions& options, const std::string& c
   } catch (const Error& error) {
     throw Error(error.code(), "--connect", error.what());
   }
+  // Not after the tuning.
+  if (options.persist && command == "tune" && !setup.profile.persist) {
+    throw Error(ErrorCode::bad_input, "--persist",
+                setup.profile.name + ": its profile knows no way to keep settings (persist)");
+  }
   setup.session.command = command;
   setup.session.journal = options.journal;
   setup.session.link = make_link_options(setup.profile);

@@ -71,36 +71,19 @@ void write_sines(const std::string& path, const json& result) {
   write_csv(path, names, columns);
 }
 
-// The registers that generator, buffer and switch need, which go back afterwards.
-std::vector<std::string> find_written_registers(const DeviceProfile& profile) {
-  std::vector<std::string> names;
-  const auto add = [&](const std::string& name) {
-    if (!name.empty() && profile.find(name) != nullptr) names.push_back(name);
-  };
-  add("drive_mode");
-  if (profile.excitation) {
-    const DeviceExcitation& e = *profile.excitation;
-    for (const std::string& name : {e.kind, e.amplitude, e.offset, e.frequency, e.duration})
-      add(name);
-  }
-  if (profile.capture) {
-    const DeviceCapture& c = *profile.capture;
-    for (const std::string& name : {c.delay, c.decimation, c.samples}) add(name);
-  }
-  add("enable");
-  return names;
-}
-
 void run_plan(const IdentifyOptions& options, const IdentifiedModelOptions& model,
               AmplifierSession& session, ModbusBench& bench) {
   const std::vector<PlannedStep> plan =
       plan_identification(bench.limits(), make_identification_options(options));
   AmplifierPort& port = session.port();
-  for (const std::string& name : find_disturbing_settings(bench)) port.write(name, 0);
+  const std::vector<std::string> disturbing = find_disturbing_settings(bench);
+  // As the bench does before the first setting.
+  if (!disturbing.empty() && bench.has_setting("enable")) port.write("enable", 0);
+  for (const std::string& name : disturbing) port.write(name, 0);
   json result = make_identification_plan_result(plan, model.motion, model.name);
   json registers = json::array();
   std::string names;
-  for (const std::string& name : find_written_registers(session.profile())) {
+  for (const std::string& name : find_experiment_registers(session.profile())) {
     const DeviceRegister& place = session.profile().at(name);
     registers.push_back(
         {{"register", name}, {"address", describe_address(place.table, place.address)}});
@@ -134,8 +117,8 @@ std::string describe_found(const json& result, const std::string& written) {
 void warn_of_unknown(const json& result) {
   for (const json& p : result["parameters"]) {
     if (p["identifiable"].get<bool>()) continue;
-    fmt::print(stderr, "gyrator: warning: {} is not identifiable: {}\n",
-               p["name"].get<std::string>(), p["note"].get<std::string>());
+    print_note(fmt::format("gyrator: warning: {} is not identifiable: {}\n",
+                           p["name"].get<std::string>(), p["note"].get<std::string>()));
   }
 }
 
@@ -146,8 +129,8 @@ void run_experiments(const IdentifyOptions& options, const IdentifiedModelOption
   const Identification found =
       identify(bench, make_identification_options(options), [&](const Experiment& experiment) {
         if (!options.common.quiet)
-          fmt::print(stderr, "{:7.1f} s  {}: {}\n", begun, experiment.purpose,
-                     describe(experiment.excitation));
+          print_note(fmt::format("{:7.1f} s  {}: {}\n", begun, experiment.purpose,
+                                 describe(experiment.excitation)));
         begun += experiment.excitation.duration;
       });
   const SessionEnd end = session.restore();

@@ -5,6 +5,7 @@
 #include "gyrator/version.hpp"
 
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -31,7 +32,8 @@ int run(int argc, char** argv) {
       "A model file describes motor, amplifier, damping circuit, mechanics and controller.\n"
       "Example:\n  gyrator passivity examples/rc_display.json\n\n"
       "Exit codes: 0 done, 1 the answer is no, 2 bad input, 3 numerical failure,\n4 device or "
-      "communication failure, 130 interrupted.");
+      "communication failure, 130 interrupted (Ctrl-C, SIGTERM, "
+      "SIGHUP).");
   gyrator::app::add_impedance_command(app, exit_code);
   gyrator::app::add_passivity_command(app, exit_code);
   gyrator::app::add_verify_certificate_command(app, exit_code);
@@ -78,6 +80,8 @@ int finish_stdout(int exit_code) {
 
 int main(int argc, char** argv) {
   gyrator::install_interrupt_handler();
+  // A reader that goes away must not end what is on its way: a motor may be turning.
+  std::signal(SIGPIPE, SIG_IGN);
   gyrator::app::remember_command_line(argc, argv);
   try {
     return finish_stdout(run(argc, argv));

@@ -92,11 +92,11 @@ std::string describe_values(const std::vector<Setting>& settings) {
 
 // One line for each step, while it goes on.
 void report_step(const TuningStep& step, const std::string& unit) {
-  fmt::print(stderr,
-             "{:7.1f} s  {}: winding {:.4g} ohm, damping {:.4g} (model {:.4g}) {} at {:.3g} Hz{}\n",
-             step.time, describe_values(step.settings), step.winding_resistance,
-             step.measured_damping, step.modelled_damping, unit, step.frequency_hz,
-             step.stable ? "" : "  STOPPED: " + step.remark);
+  print_note(fmt::format(
+      "{:7.1f} s  {}: winding {:.4g} ohm, damping {:.4g} (model {:.4g}) {} at {:.3g} Hz{}\n",
+      step.time, describe_values(step.settings), step.winding_resistance, step.measured_damping,
+      step.modelled_damping, unit, step.frequency_hz,
+      step.stable ? "" : "  STOPPED: " + step.remark));
 }
 
 std::string describe_run(const json& result, const std::string& unit) {

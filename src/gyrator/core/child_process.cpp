@@ -57,9 +57,18 @@ pid_t start(const ChildProgram& program, std::FILE* input, std::FILE* output, st
   std::vector<char*> arguments;
   for (auto& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
+  // What this process does with a broken pipe is its own matter.
+  posix_spawnattr_t attributes{};
+  posix_spawnattr_init(&attributes);
+  sigset_t defaults{};
+  sigemptyset(&defaults);
+  sigaddset(&defaults, SIGPIPE);
+  posix_spawnattr_setsigdefault(&attributes, &defaults);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
   pid_t child = 0;
-  const int refused =
-      ::posix_spawnp(&child, program.name.c_str(), &actions, nullptr, arguments.data(), environ);
+  const int refused = ::posix_spawnp(&child, program.name.c_str(), &actions, &attributes,
+                                     arguments.data(), environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (refused == ENOENT)
     throw Error(ErrorCode::bad_input, program.name, "is not installed, " + program.remedy);

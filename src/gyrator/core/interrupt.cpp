@@ -3,9 +3,13 @@
 #include "gyrator/core/error.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cerrno>
 #include <csignal>
+#include <cstddef>
 #include <string>
+#include <unistd.h>
 
 #include <fmt/core.h>
 
@@ -21,18 +25,60 @@ static_assert(std::atomic<bool>::is_always_lock_free, "only lock-free atomics ma
 // NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
 thread_local TimeLimit* current_limit = nullptr;
 
+constexpr std::array signals{SIGINT, SIGTERM, SIGHUP};
+
+// What the signals did before the first of the shields; shields are made and end in one thread.
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
+std::array<struct sigaction, signals.size()> unshielded{};
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
+int shields = 0;
+
 extern "C" void note_interrupt(int) {
   interrupted.store(true);
+}
+
+extern "C" void ask_for_patience(int) {
+  const int kept = errno;
+  static constexpr std::string_view text =
+      "gyrator: the device is being made safe and its settings put back: one moment, please\n";
+  // To nobody, where stderr is gone.
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text.data(), text.size());
+  errno = kept;
+}
+
+void handle(int signal, void (*handler)(int), int flags) {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = flags;
+  sigaction(signal, &action, nullptr);
+}
+
+bool is_ignored(int signal) {
+  struct sigaction now {};
+  return sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
 }
 
 }  // namespace
 
 void install_interrupt_handler() {
-  struct sigaction action {};
-  action.sa_handler = note_interrupt;
-  sigemptyset(&action.sa_mask);
-  action.sa_flags = static_cast<int>(SA_RESETHAND);  // the second SIGINT ends the process
-  sigaction(SIGINT, &action, nullptr);
+  handle(SIGINT, note_interrupt, static_cast<int>(SA_RESETHAND));  // the second one ends it
+  handle(SIGTERM, note_interrupt, 0);
+  if (!is_ignored(SIGHUP)) handle(SIGHUP, note_interrupt, 0);
+}
+
+InterruptShield::InterruptShield() {
+  if (shields++ > 0) return;
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    sigaction(signals[i], nullptr, &unshielded[i]);
+    handle(signals[i], ask_for_patience, SA_RESTART);
+  }
+  acknowledge_interrupt();
+}
+
+InterruptShield::~InterruptShield() {
+  if (--shields > 0) return;
+  for (std::size_t i = 0; i < signals.size(); ++i) sigaction(signals[i], &unshielded[i], nullptr);
 }
 
 bool interrupt_requested() {

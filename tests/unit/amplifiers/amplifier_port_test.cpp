@@ -4,6 +4,8 @@
 #include "gyrator/core/error.hpp"
 #include "gyrator/documents/json_text.hpp"
 
+#include <algorithm>
+#include <csignal>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -224,6 +226,86 @@ TEST(AmplifierPort, TheSafeStateHasTheDriveOffFirst) {
   EXPECT_EQ(open.device.bank.get("cancellation_resistance"), 0);
   EXPECT_EQ(open.device.bank.get("current_limit"), 0.5);
   EXPECT_EQ(open.device.bank.get("damping_resistance"), 40) << "has no safe value";
+}
+
+DeviceRegister& register_of(DeviceProfile& profile, const std::string& name) {
+  return *std::find_if(profile.registers.begin(), profile.registers.end(),
+                       [&](const DeviceRegister& place) { return place.name == name; });
+}
+
+TEST(AmplifierPort, TheDriveIsSwitchedOffBeforeAnythingIsRead) {
+  auto functions = std::make_shared<std::vector<int>>();
+  ServerHooks hooks;
+  hooks.before_request =
+      [functions](std::span<const std::uint8_t> request) -> std::optional<ModbusException> {
+    functions->push_back(request.front());
+    // No register can be read.
+    return request.front() <= 4 ? std::optional(ModbusException::device_failure) : std::nullopt;
+  };
+  OpenPort open(applied, "gyrator_twin", hooks);
+  open.device.bank.put("enable", 1);
+  EXPECT_EQ(open.port.make_safe().state, DeviceState::unknown);
+  ASSERT_FALSE(functions->empty());
+  EXPECT_EQ(functions->front(), 5);
+  EXPECT_EQ(open.device.bank.get("enable"), 0);
+}
+
+TEST(AmplifierPort, ABusyDeviceIsMadeSafeOnceItHasTime) {
+  constexpr int busy_answers = 12;  // more often than a device may disobey
+  auto busy = std::make_shared<std::atomic<int>>(busy_answers);
+  ServerHooks hooks;
+  hooks.before_request =
+      [busy](std::span<const std::uint8_t> request) -> std::optional<ModbusException> {
+    if (request.front() != 5 || busy->load() == 0) return {};
+    --*busy;
+    return ModbusException::device_busy;
+  };
+  PortOptions options = applied;
+  options.safe_patience = 5;
+  OpenPort open(options, "gyrator_twin", hooks);
+  open.device.bank.put("enable", 1);
+  const auto result = open.port.make_safe();
+  EXPECT_EQ(result.state, DeviceState::safe)
+      << (result.failed.empty() ? "" : result.failed.front());
+  EXPECT_EQ(open.device.bank.get("enable"), 0);
+}
+
+TEST(AmplifierPort, TheSafeStateKeepsToTheLimitsAndRaisesNone) {
+  for (const double limit : {0.3, 0.306}) {  // the steps are 0.01 A
+    PortOptions options = applied;
+    options.limits["current_limit"] = limit;
+    OpenPort open(options);
+    open.device.bank.put("current_limit", 5);
+    EXPECT_EQ(open.port.make_safe().state, DeviceState::safe);
+    EXPECT_NEAR(open.device.bank.get("current_limit"), 0.3, 1e-6) << limit;
+    EXPECT_EQ(open.records().back()["write"], "current_limit");
+    EXPECT_EQ(open.records().back()["old"], json({0x40a0, 0}));  // 5 as a float
+  }
+  OpenPort lower;
+  lower.device.bank.put("current_limit", 0.2);
+  EXPECT_EQ(lower.port.make_safe().state, DeviceState::safe);
+  EXPECT_NEAR(lower.device.bank.get("current_limit"), 0.2, 1e-6);
+}
+
+TEST(AmplifierPort, TheSafeStateWritesPersistentRegistersOnlyIfAllowed) {
+  for (const bool persist : {false, true}) {
+    PortOptions options = applied;
+    options.persist = persist;
+    OpenPort open(options);
+    register_of(open.device.profile, "label").safe = 7;
+    open.device.bank.put("label", 3);
+    EXPECT_EQ(open.port.make_safe().state, DeviceState::safe);
+    EXPECT_EQ(open.device.bank.get("label"), persist ? 7 : 3);
+  }
+}
+
+TEST(AmplifierPort, AnotherCtrlCDoesNotCutTheSafeStateOff) {
+  OpenPort open;
+  open.port.make_safe();
+  testing::internal::CaptureStderr();
+  std::raise(SIGINT);  // by default the end of this program
+  expect_words(testing::internal::GetCapturedStderr(), {"one moment"});
+  EXPECT_EQ(open.port.make_safe().state, DeviceState::safe);
 }
 
 TEST(AmplifierPort, ADeviceThatDoesNotObeyOrAnswerIsNotCalledSafe) {

@@ -170,5 +170,22 @@ TEST(DeviceProfile, UnknownKeysAndProfilesAreNamed) {
   EXPECT_THROW(load_device_profile("no_such_drive"), Error);
 }
 
+TEST(DeviceProfile, BitFieldsThatWouldLoseTheirNeighboursAreRefused) {
+  const json low_bits{{"first", 0}, {"count", 2}};
+  expect_words(refusal([&](json& d) { register_of(d, "watchdog")["bits"] = low_bits; }),
+               {"/watchdog", "'watchdog': is a bit field"});
+  expect_words(refusal([&](json& d) { register_of(d, "save")["bits"] = low_bits; }),
+               {"/access", "can only be written", "would be lost"});
+  expect_words(refusal([&](json& d) {
+                 json& place = register_of(d, "advance_time");
+                 place = {{"name", "advance_time"},
+                          {"address", 72},
+                          {"type", "u16"},
+                          {"unit", "s"},
+                          {"bits", low_bits}};
+               }),
+               {"/clock/advance", "'advance_time': is a bit field"});
+}
+
 }  // namespace
 }  // namespace gyrator

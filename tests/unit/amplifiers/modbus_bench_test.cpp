@@ -3,8 +3,12 @@
 #include "gyrator/amplifiers/amplifier_session.hpp"
 #include "gyrator/core/error.hpp"
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -19,8 +23,8 @@ constexpr int samples = 250;
 
 // A device whose buffer holds known signals, and a bench on it.
 struct OpenBench {
-  explicit OpenBench(const std::string& name)
-      : device(name),
+  explicit OpenBench(const std::string& name, ServerHooks hooks = {})
+      : device(name, std::move(hooks)),
         link(prepare(device).address(), make_link_options(device.profile)),
         port(device.profile, link, {.apply = true, .persist = false, .limits = {}}),
         bench(port) {}
@@ -132,6 +136,83 @@ TEST(ModbusBench, AFaultEndsTheRunWithTheDriveOff) {
                 .find("winding_temperature: 400 K during"),
             std::string::npos);
   EXPECT_EQ(open.device.bank.get("enable"), 0);
+}
+
+// Refuses to be switched off so often.
+ServerHooks refuse_off(int times) {
+  auto left = std::make_shared<std::atomic<int>>(times);
+  ServerHooks hooks;
+  hooks.before_request =
+      [left](std::span<const std::uint8_t> pdu) -> std::optional<ModbusException> {
+    const bool is_off =
+        pdu.size() == 5 && pdu[0] == 5 && pdu[2] == 0 && pdu[3] == 0;  // coil 0 is enable
+    if (!is_off || left->load() == 0) return {};
+    --*left;
+    return ModbusException::device_failure;
+  };
+  return hooks;
+}
+
+TEST(ModbusBench, ARunThatOnlyTheSafeStateSwitchesOffIsAnError) {
+  OpenBench open("gyrator_twin", refuse_off(1));
+  const std::string message =
+      refusal([&] { open.bench.run(quarter_sine, request); }, ErrorCode::device);
+  EXPECT_NE(message.find("switched off only by its safe state: "), std::string::npos) << message;
+  EXPECT_NE(message.find("coil 0x0000"), std::string::npos) << message;
+  EXPECT_EQ(open.device.bank.get("enable"), 0);
+  EXPECT_NEAR(open.device.bank.get("current_limit"), 0.5, 1e-6) << "the safe value";
+}
+
+TEST(ModbusBench, AnErrorWhileSwitchingOffNamesTheOneBefore) {
+  for (const int times : {1, 1000}) {
+    OpenBench open("gyrator_twin", refuse_off(times));
+    open.device.bank.put("current", 3);
+    const std::string message =
+        refusal([&] { open.bench.run(quarter_sine, request); }, ErrorCode::device);
+    EXPECT_NE(message.find(times == 1 ? "only by its safe state" : "COULD NOT BE SWITCHED OFF"),
+              std::string::npos)
+        << message;
+    EXPECT_NE(message.find("current: 3 A during the excitation"), std::string::npos) << message;
+  }
+}
+
+TEST(ModbusBench, ASettingIsWrittenWithTheDriveOff) {
+  OpenBench open("gyrator_twin");
+  open.device.bank.put("enable", 1);
+  open.bench.write_setting("damping_resistance", 20);
+  std::vector<int> written = open.device.bank.written;
+  std::erase(written, open.device.profile.at("watchdog").address);
+  EXPECT_EQ(written, (std::vector<int>{0, 26}));  // the coil of enable, the resistance
+  EXPECT_EQ(open.device.bank.get("enable"), 0);
+}
+
+DeviceRegister& register_of(DeviceProfile& profile, const std::string& name) {
+  return *std::find_if(profile.registers.begin(), profile.registers.end(),
+                       [&](const DeviceRegister& place) { return place.name == name; });
+}
+
+TEST(ModbusBench, ExperimentsDoNotWearPersistentMemoryOut) {
+  ServedProfile device("gyrator_twin");
+  OpenBench::prepare(device);
+  register_of(device.profile, "damping_resistance").persistent = true;
+  device.bank.put("damping_resistance", 10);
+  ModbusLink link(device.address(), make_link_options(device.profile));
+  AmplifierPort port(device.profile, link, {.apply = true, .persist = true, .limits = {}});
+  ModbusBench bench(port);
+  bench.write_setting("damping_resistance", 10);  // is there already
+  const std::string message =
+      refusal([&] { bench.write_setting("damping_resistance", 20); }, ErrorCode::device);
+  EXPECT_NE(message.find("damping_resistance"), std::string::npos) << message;
+  EXPECT_NE(message.find("persistent memory"), std::string::npos) << message;
+  EXPECT_EQ(device.bank.get("damping_resistance"), 10);
+  const std::vector<int>& written = device.bank.written;
+  EXPECT_EQ(std::count(written.begin(), written.end(), 26), 0);
+  port.write("damping_resistance", 20);  // what is kept in the end
+  EXPECT_EQ(device.bank.get("damping_resistance"), 20);
+  register_of(device.profile, "excitation_amplitude").persistent = true;
+  EXPECT_NE(refusal([&] { ModbusBench(port).limits(); }, ErrorCode::bad_input)
+                .find("excitation_amplitude: is in persistent memory"),
+            std::string::npos);
 }
 
 }  // namespace
