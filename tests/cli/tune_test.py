@@ -313,7 +313,7 @@ class FaultTest(TuneTest):
         for again in (False, True):  # overspeed, each time anew
             answer = self.tune(motor(), *device, "--apply", "--current", "1 A")
             self.assertEqual(answer.code, 4, answer)
-            self.assertIn("overspeed during", answer.err)
+            self.assertIn("during the excitation: overspeed", answer.err)
             self.assertEqual("from before is cleared: overspeed" in answer.err, again, answer)
             self.assertEqual(self.changed(device), set())
 
