@@ -20,6 +20,14 @@ bool is_better(const Candidate& a, const Candidate& b) {
   return b.merit < a.merit;
 }
 
+// The same topology with all values within a tenth: no choice worth showing.
+bool is_alike(const Candidate& a, const Candidate& b) {
+  if (a.topology != b.topology) return false;
+  for (std::size_t i = 0; i < a.values.size(); ++i)
+    if (std::abs(std::log(a.values[i] / b.values[i])) > 0.095) return false;
+  return true;
+}
+
 // "470 uF" where that reads as the very same number, else all its digits.
 std::string write_value(double value, const Unit& unit) {
   const std::string text = format_quantity(value, unit);
@@ -187,7 +195,7 @@ class Study {
     study_.pareto = find_pareto(spec_, std::move(seen));
   }
 
-  // The best of each topology, then the next best of all that can be had.
+  // The best of each topology, then the next best that differ from them.
   std::vector<Candidate> choose() const {
     std::vector<Candidate> chosen;
     std::vector<Candidate> rest;
@@ -201,7 +209,7 @@ class Study {
     for (const Candidate& candidate : rest) {
       if (chosen.size() >= spec_.count) break;
       const bool known = std::any_of(chosen.begin(), chosen.end(), [&](const Candidate& other) {
-        return other.topology == candidate.topology && other.values == candidate.values;
+        return is_alike(candidate, other);
       });
       if (!known) chosen.push_back(candidate);
     }
