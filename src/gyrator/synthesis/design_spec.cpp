@@ -278,7 +278,10 @@ const Member& design_format() {
 }
 
 DesignSpec load_design_spec(const std::string& path) {
-  const json document = load_json_file(path);
+  return parse_design_spec(load_json_file(path), path);
+}
+
+DesignSpec parse_design_spec(const json& document, const std::string& path) {
   const json read = read_document(document, design_format(), path);
   DesignSpec spec;
   spec.file = path;

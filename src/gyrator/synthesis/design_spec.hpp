@@ -83,6 +83,9 @@ const Member& design_format();
 /// Throws bad_input with file and JSON pointer. The model's path is relative to the spec's file.
 DesignSpec load_design_spec(const std::string& path);
 
+/// The same from JSON that would stand in that file.
+DesignSpec parse_design_spec(const nlohmann::json& document, const std::string& path);
+
 /// The model with this damping added and the drive that the topology needs, as a model file.
 nlohmann::json make_designed_model(const DesignSpec& spec, const Topology& topology,
                                    const std::vector<nlohmann::json>& values);

@@ -24,7 +24,7 @@ TEST(PreferredValues, NoGapOfASeriesIsWiderThanItsToleranceAllows) {
   // Neighbours a factor apart overlap with ± tolerance, but for what E12 and E24 lose by rounding
   // to two digits: half a digit of 1.0 … 2.7.
   const std::vector<std::pair<PreferredSeries, double>> steps{
-      {PreferredSeries::e12, 1.25}, {PreferredSeries::e24, 1.155}, {PreferredSeries::e96, 1.03}};
+      {PreferredSeries::e12, 1.25}, {PreferredSeries::e24, 1.155}, {PreferredSeries::e96, 1.031}};
   for (const auto& [series, largest] : steps) {
     auto decade = list_decade(series);
     decade.push_back(10);
