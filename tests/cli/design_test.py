@@ -105,3 +105,13 @@ class DesignTest(ProgramTest):
     def test_the_shipped_schema_is_the_programs(self):
         self.assertEqual(self.run_program("schema", "--design").out,
                          (ROOT / "schemas/design.schema.json").read_text())
+
+    def test_the_manual_has_the_programs_table(self):
+        table = self.run_program("schema", "--design", "--manual").out
+        self.assertIn(table.strip(), (ROOT / "docs/design.md").read_text())
+
+    def test_the_help_texts_example_is_the_manuals(self):
+        shown = (ROOT / "docs/design.md").read_text().split("```json\n")[1].split("```")[0]
+        shipped = json.loads((EXAMPLES / "design/re25.json").read_text())
+        for key, value in json.loads(shown).items():
+            self.assertEqual(value, shipped[key], key)
