@@ -22,7 +22,8 @@ MAY_INCLUDE = {
     "plots": {"core", "documents"},
     "studies": {"core", "circuits", "controllers", "mechanics", "verification", "cosim", "lanes", "passivity", "two_port", "robustness", "documents", "amplifiers", "twin", "identification", "tuning", "plots"},
     "sweeps": {"core", "nodes", "circuits", "controllers", "mechanics", "cosim", "passivity", "documents", "plots", "studies"},
-    "app": {"core", "nodes", "documents", "modbus", "amplifiers", "twin", "identification", "tuning", "plots", "studies", "sweeps"},
+    "synthesis": {"core", "circuits", "controllers", "mechanics", "cosim", "passivity", "documents", "plots", "studies"},
+    "app": {"core", "nodes", "documents", "modbus", "amplifiers", "twin", "identification", "tuning", "plots", "studies", "sweeps", "synthesis"},
 }
 root = pathlib.Path(__file__).resolve().parent.parent / "src" / "gyrator"
 wrong = []

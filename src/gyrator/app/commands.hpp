@@ -22,6 +22,7 @@ void add_study_command(CLI::App& app, int& exit_code);
 void add_schematic_command(CLI::App& app, int& exit_code);
 void add_environment_command(CLI::App& app, int& exit_code);
 void add_workspace_command(CLI::App& app, int& exit_code);
+void add_design_command(CLI::App& app, int& exit_code);
 void add_twin_command(CLI::App& app, int& exit_code);
 void add_identify_command(CLI::App& app, int& exit_code);
 void add_tune_command(CLI::App& app, int& exit_code);

@@ -50,6 +50,7 @@ int run(int argc, char** argv) {
   gyrator::app::add_report_command(app, exit_code);
   gyrator::app::add_schematic_command(app, exit_code);
   gyrator::app::add_schema_command(app, exit_code);
+  gyrator::app::add_design_command(app, exit_code);
   gyrator::app::add_twin_command(app, exit_code);
   gyrator::app::add_identify_command(app, exit_code);
   gyrator::app::add_tune_command(app, exit_code);

@@ -3,6 +3,7 @@
 #include "gyrator/documents/document_schema.hpp"
 #include "gyrator/studies/model_format.hpp"
 #include "gyrator/sweeps/sweep_study.hpp"
+#include "gyrator/synthesis/design_spec.hpp"
 
 #include <memory>
 
@@ -16,19 +17,25 @@ void add_schema_command(CLI::App& app, int&) {
   auto manual = std::make_shared<bool>(false);
   auto study = std::make_shared<bool>(false);
   auto amplifier = std::make_shared<bool>(false);
+  auto design = std::make_shared<bool>(false);
   CLI::App* command =
       app.add_subcommand("schema", "The model file's JSON Schema, for completion in editors");
   auto* of_study =
       command->add_flag("--study", *study, "Of the study file (`gyrator study run`) instead");
-  command->add_flag("--amplifier", *amplifier, "Of the amplifier's profile instead")
-      ->excludes(of_study);
+  auto* of_amplifier =
+      command->add_flag("--amplifier", *amplifier, "Of the amplifier's profile instead")
+          ->excludes(of_study);
+  command->add_flag("--design", *design, "Of the design's spec (`gyrator design`) instead")
+      ->excludes(of_study)
+      ->excludes(of_amplifier);
   command->add_flag("--manual", *manual, "The same as tables in Markdown");
   command->footer("Example:\n  gyrator schema > model.schema.json");
-  command->callback([manual, study, amplifier] {
+  command->callback([manual, study, amplifier, design] {
     const Member& format = *study       ? study_format()
                            : *amplifier ? amplifier_format()
+                           : *design    ? design_format()
                                         : model_format();
-    const char* name = *study ? "study" : *amplifier ? "amplifier" : "model";
+    const char* name = *study ? "study" : *amplifier ? "amplifier" : *design ? "design" : "model";
     const std::string id = fmt::format("https://gyrator.example/{}.schema.json", name);
     fmt::print("{}", *manual ? write_manual_table(format) : write_json_schema(format, id));
   });

@@ -1,0 +1,62 @@
+#pragma once
+
+#include "gyrator/synthesis/design_spec.hpp"
+#include "gyrator/synthesis/lattice_search.hpp"
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace gyrator {
+
+/// How the limit of a candidate is found: at the grid's frequencies for a search, proved between
+/// them for what is reported.
+enum class LimitPrecision { on_grid, proved };
+
+/// One topology of a spec: what there is to choose, and what a choice is worth. From many threads
+/// at once.
+class DesignProblem {
+ public:
+  DesignProblem(const DesignSpec& spec, const Topology& topology);
+
+  const DesignSpec& spec() const { return spec_; }
+  const Topology& topology() const { return topology_; }
+  std::size_t size() const { return ranges_.size(); }
+  const std::vector<DesignRange>& ranges() const { return ranges_; }
+
+  /// Values that can be had of each variable, rising. Throws bad_input, naming the range, where a
+  /// series has none in it.
+  std::vector<std::vector<double>> lattice() const;
+
+  DesignFigures evaluate(std::span<const double> values,
+                         LimitPrecision precision = LimitPrecision::on_grid) const;
+  /// The same of a device that is not one of the search's, without its limits and stability.
+  DesignFigures evaluate_port(const Device& device) const;
+
+  Device make_device(std::span<const double> values) const;
+
+ private:
+  void add_limits(DesignFigures& figures, const Device& device, LimitPrecision precision) const;
+
+  const DesignSpec& spec_;
+  const Topology& topology_;
+  Device device_;  // with the damping at the end of its list
+  Controller controller_;
+  std::vector<DesignRange> ranges_;
+  std::vector<double> rises_;
+  double rigid_inertia_ = 0;
+  bool needs_extremes_ = false;
+};
+
+/// By how much a constraint is missed: log of value over limit (limit over value of a minimum), at
+/// most `hopeless`; 0 where it is kept.                                            (design-1)
+double find_violation(const DesignConstraint& constraint, const DesignFigures& figures);
+inline constexpr double hopeless = 50;
+
+/// Merit under the spec: feasible where all constraints are kept and some stiffness is passive; the
+/// score is the objective, or minus the sum of violations. With `free` that one may be missed by
+/// any amount, and the score is by how little.
+DesignMerit judge(const DesignSpec& spec, const DesignFigures& figures,
+                  const DesignConstraint* free = nullptr);
+
+}  // namespace gyrator

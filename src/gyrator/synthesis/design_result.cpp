@@ -1,0 +1,198 @@
+#include "gyrator/synthesis/design_result.hpp"
+
+#include "gyrator/core/text.hpp"
+#include "gyrator/studies/motion_terms.hpp"
+#include "gyrator/studies/result_parts.hpp"
+
+#include <algorithm>
+
+#include <fmt/core.h>
+
+namespace gyrator {
+namespace {
+
+using nlohmann::json;
+
+json values_of(const Candidate& candidate) {
+  json values = json::object();
+  for (std::size_t i = 0; i < candidate.values.size(); ++i)
+    values[name_of(*candidate.topology, candidate.topology->variables[i])] = candidate.values[i];
+  return values;
+}
+
+json summarize(const Candidate& candidate) {
+  return {{"topology", candidate.topology->name},
+          {"values", values_of(candidate)},
+          {"max_stiffness", finite_or_null(candidate.figures.max_stiffness)},
+          {"apparent_inertia", candidate.figures.apparent_inertia}};
+}
+
+json make_bill(const DesignSpec& spec, const Candidate& candidate,
+               const OperatingExtremes& extremes) {
+  const bool operated = spec.operation.speed > 0 || spec.operation.effort > 0;
+  json bill = json::array();
+  for (std::size_t i = 0; i < candidate.values.size(); ++i) {
+    const DesignVariable& variable = candidate.topology->variables[i];
+    const double value = candidate.values[i];
+    json item{{"name", name_of(*candidate.topology, variable)},
+              {"part", variable.part == DesignPart::resistor    ? "resistor"
+                       : variable.part == DesignPart::capacitor ? "capacitor"
+                                                                : "setting"},
+              {"count", 1},
+              {"value", value},
+              {"unit", variable.unit.symbol}};
+    if (variable.part != DesignPart::setting) {
+      item["tolerance"] = spec.tolerances.at(variable.part);
+      if (spec.series) item["series"] = name_of(*spec.series);
+    }
+    if (variable.part == DesignPart::resistor && operated)
+      item["peak_power"] = extremes.resistor_power;
+    if (variable.part == DesignPart::capacitor) {
+      // The back-EMF has either sign.
+      item["bipolar"] = spec.bipolar_capacitor;
+      if (!spec.bipolar_capacitor) {
+        item["count"] = 2;
+        item["value"] = 2 * value;
+        item["arrangement"] = "back to back in series";
+      }
+      if (operated) item["peak_voltage"] = extremes.capacitor_voltage;
+    }
+    bill.push_back(std::move(item));
+  }
+  return bill;
+}
+
+json constraints_of(const DesignSpec& spec, const Candidate& candidate) {
+  json kept = json::array();
+  for (const DesignConstraint& constraint : spec.constraints) {
+    kept.push_back({{"name", constraint.figure->name},
+                    {"limit", constraint.limit},
+                    {"value", constraint.figure->value(candidate.figures)}});
+  }
+  return kept;
+}
+
+json describe_json(const DesignSpec& spec, const Design& design) {
+  const DesignFigures& figures = design.candidate.figures;
+  json entry = summarize(design.candidate);
+  entry["rated_stiffness"] = design.rated_stiffness;
+  entry["worst_frequency_hz"] = figures.worst_frequency_hz;
+  entry["damping_below_5_hz"] = figures.damping_below_5_hz;
+  entry["yield"] = design.yield.value;
+  entry["yield_low"] = design.yield.low;
+  entry["yield_high"] = design.yield.high;
+  entry["constraints"] = constraints_of(spec, design.candidate);
+  entry["bill_of_materials"] = make_bill(spec, design.candidate, design.extremes);
+  if (spec.operation.speed > 0 || spec.operation.effort > 0) {
+    entry["amplifier_voltage"] = design.extremes.amplifier_voltage;
+    entry["amplifier_current"] = design.extremes.amplifier_current;
+  }
+  entry["loses_because"] = design.reason.empty() ? json(nullptr) : json(design.reason);
+  entry["model"] = design.model;
+  return entry;
+}
+
+json binding_json(const std::optional<BindingConstraint>& binding) {
+  if (!binding) return nullptr;
+  return {{"name", binding->name},        {"limit", binding->limit},
+          {"needed", binding->needed},    {"enough_alone", binding->alone},
+          {"unit", binding->unit.symbol}, {"topology", binding->topology}};
+}
+
+const Unit& unit_of(Motion motion, const std::string& variable) {
+  for (const Topology& topology : list_topologies(motion))
+    for (const DesignVariable& known : topology.variables)
+      if (name_of(topology, known) == variable) return known.unit;
+  return dimension::none;
+}
+
+std::string describe_values(Motion motion, const json& values) {
+  std::vector<std::string> texts;
+  for (const auto& [name, value] : values.items())
+    texts.push_back(fmt::format("{} {}", name, format_quantity(value, unit_of(motion, name))));
+  return join(texts);
+}
+
+std::string describe_bill(const json& bill, Motion motion) {
+  std::string text = "\nbill of materials\n";
+  for (const json& item : bill) {
+    const std::string name = item["name"];
+    text +=
+        fmt::format("  {} x {} {}", item["count"].get<int>(),
+                    format_quantity(item["value"], unit_of(motion, name)),
+                    item["part"] == "setting" ? "(set) " + name : item["part"].get<std::string>());
+    if (item.contains("tolerance"))
+      text += fmt::format(" ± {:g} %", 100 * item["tolerance"].get<double>());
+    if (item.contains("bipolar")) text += item["bipolar"].get<bool>() ? ", bipolar" : ", polarised";
+    if (item.contains("arrangement")) text += ", " + item["arrangement"].get<std::string>();
+    if (item.contains("peak_power"))
+      text +=
+          fmt::format(", {} at its peak", format_quantity(item["peak_power"], dimension::power));
+    if (item.contains("peak_voltage"))
+      text += fmt::format(", {} at its peak",
+                          format_quantity(item["peak_voltage"], dimension::voltage));
+    text += "\n";
+  }
+  return text;
+}
+
+std::string describe_infeasible(const DesignSpec& spec, const json& binding) {
+  if (binding.is_null())
+    return spec.model.name +
+           ": INFEASIBLE\nNo stiffness is passive at this virtual damping with any of the "
+           "topologies.\n";
+  const std::string name = binding["name"];
+  Unit unit = dimension::none;
+  for (const BoundedFigure& figure : list_bounded_figures(spec.model.device.motion))
+    if (name == figure.name) unit = figure.unit;
+  const std::string topology = binding["topology"];
+  return fmt::format("{}: INFEASIBLE\nBinding: {} of {}; it would have to give to {} ({}){}.\n",
+                     spec.model.name, name, format_quantity(binding["limit"], unit),
+                     format_quantity(binding["needed"], unit), topology,
+                     binding["enough_alone"].get<bool>() ? "" : ", and others with it");
+}
+
+}  // namespace
+
+json make_design_result(const DesignSpec& spec, const DesignStudy& study) {
+  json result = start_result("design", spec.model);
+  result["spec"] = spec.source;
+  result["feasible"] = !study.designs.empty();
+  result["designs"] = json::array();
+  for (const Design& design : study.designs)
+    result["designs"].push_back(describe_json(spec, design));
+  result["continuous"] = json::array();
+  for (const Candidate& candidate : study.continuous)
+    result["continuous"].push_back(summarize(candidate));
+  result["pareto"] = json::array();
+  for (const Candidate& candidate : study.pareto) result["pareto"].push_back(summarize(candidate));
+  result["virtual_damping"] = spec.damping;
+  result["binding_constraint"] = binding_json(study.binding);
+  return result;
+}
+
+std::string describe_design(const DesignSpec& spec, const json& result) {
+  if (!result["feasible"].get<bool>())
+    return describe_infeasible(spec, result["binding_constraint"]);
+  const Motion motion = spec.model.device.motion;
+  const MotionUnits& units = units_of(motion);
+  std::string text =
+      fmt::format("{}: {}\n\n{:>24} {:>14} {:>14} {:>18} {:>8}  {}\n", spec.model.name,
+                  describe_count(result["designs"].size(), "design"), "topology", "largest K",
+                  "rated K", "apparent inertia", "yield", "values");
+  for (const json& design : result["designs"]) {
+    text += fmt::format(
+        "{:>24} {:>14} {:>14} {:>18} {:>6.4g} %  {}\n", design["topology"].get<std::string>(),
+        format_quantity(design["max_stiffness"], units.stiffness),
+        format_quantity(design["rated_stiffness"], units.stiffness),
+        format_quantity(design["apparent_inertia"], units.inertia),
+        100 * design["yield"].get<double>(), describe_values(motion, design["values"]));
+  }
+  if (result["designs"].size() > 1) {
+    text += fmt::format("\nThe second loses: {}.\n",
+                        result["designs"][1]["loses_because"].get<std::string>());
+  }
+  return text + describe_bill(result["designs"][0]["bill_of_materials"], motion);
+}
+
+}  // namespace gyrator

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "gyrator/core/statistics.hpp"
+#include "gyrator/synthesis/design_search.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gyrator {
+
+/// A design as reported: parts that can be had, its limit proved.
+struct Design {
+  Candidate candidate;
+  double rated_stiffness = 0;  ///< of the wall in its model
+  Share yield;
+  OperatingExtremes extremes;  ///< at rest temperature, during the spec's operation
+  nlohmann::json model;        ///< the file that reproduces it
+  std::string reason;          ///< why it loses against the first; empty for the first
+};
+
+/// Why nothing is feasible.
+struct BindingConstraint {
+  std::string name;
+  Unit unit;
+  double limit = 0;   ///< as asked for
+  double needed = 0;  ///< to which it would have to give, the others kept
+  bool alone = true;  ///< whether giving way in this one is enough
+  std::string topology;
+};
+
+struct DesignStudy {
+  std::vector<Design> designs;        ///< best first; none: infeasible
+  std::vector<Candidate> continuous;  ///< best of each topology without a series
+  std::vector<Candidate> pareto;      ///< stiffness against apparent inertia, the lightest first
+  std::optional<BindingConstraint> binding;  ///< where infeasible and a constraint is to blame
+};
+
+/// Chooses topology and values. `quiet`: no progress bar.
+DesignStudy run_design_study(const DesignSpec& spec, bool quiet);
+
+}  // namespace gyrator

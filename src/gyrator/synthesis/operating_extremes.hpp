@@ -1,0 +1,31 @@
+#pragma once
+
+#include "gyrator/mechanics/device.hpp"
+
+#include <cstddef>
+
+namespace gyrator {
+
+/// What the operator and the wall do at worst, at the same time.
+struct Operation {
+  double speed = 0;          ///< of the port, amplitude [rad/s, m/s]
+  double effort = 0;         ///< that the wall commands, amplitude [N.m, N]
+  double frequency_hz = 10;  ///< up to which both may alternate
+};
+
+/// The largest that parts and amplifier see in it.
+struct OperatingExtremes {
+  double resistor_power = 0;                            ///< peak in the resistor of the damping [W]
+  double capacitor_voltage = 0;                         ///< peak across its capacitor [V]
+  double amplifier_voltage = 0, amplifier_current = 0;  ///< peaks [V], [A]
+};
+
+/// From the network itself, with the port's velocity v imposed and the command u: each quantity is
+///   q = q_v(s) v + q_u(s) u,   at worst |q_v| speed + |q_u| effort                  (extreme-1)
+/// in whatever phase the two come, and over the frequencies from rest to the operation's. Parts are
+/// those of the damping `index` of the drive. The power is (peak current)² R: a steady motion
+/// heats with all of it, an alternating one with half.
+OperatingExtremes compute_operating_extremes(const Device& device, std::size_t index,
+                                             const Operation& operation);
+
+}  // namespace gyrator

@@ -1,0 +1,117 @@
+"""gyrator design: a spec in, parts out, and what becomes of the promise."""
+import json
+import random
+
+from program import EXAMPLES, ProgramTest, ROOT
+
+DEVICE = EXAMPLES / "compare/re25_none.json"
+E12 = (1.0, 1.2, 1.5, 1.8, 2.2, 2.7, 3.3, 3.9, 4.7, 5.6, 6.8, 8.2)
+TORQUE_CONSTANT = 23.5e-3
+
+
+def spec(**more):
+    return {"schema": "gyrator/design/1", "model": str(DEVICE),
+            "objective": {"maximize": "stiffness", "virtual_damping": 1e-4}, "topologies": ["rc"],
+            "ranges": {"rc.resistance": [0.5, 100], "rc.capacitance": ["10 uF", "10 mF"]},
+            "samples": 50, "designs": 2, **more}
+
+
+def values_of_e12(low, high):
+    values = [float(f"{m}e{e}") for e in range(-8, 4) for m in E12]
+    return [v for v in values if low * (1 - 1e-9) <= v <= high * (1 + 1e-9)]
+
+
+class DesignTest(ProgramTest):
+
+    def design(self, timeout=60, **more):
+        answer = self.run_program("design", self.write_model(spec(**more), "spec.json"), "--json",
+                                  "--write-model", "designed.json", timeout=timeout)
+        self.assertIn(answer.code, (0, 1), answer)
+        self.assertEqual(answer.code == 0, answer.json["feasible"])
+        return answer.json
+
+    def limit_of(self, model, damping=1e-4):
+        boundary = self.ask("zwidth", self.write_model(model, "m.json"), "--damping", damping,
+                            "--criterion", "exact_disk")
+        return boundary["max_stiffness"][0]
+
+    def test_a_design_keeps_its_constraint_and_its_promise(self):
+        result = self.design(constraints={"apparent_inertia": {"max": "2e-7 kg.m^2"}})
+        best = result["designs"][0]
+        added = TORQUE_CONSTANT**2 * best["values"]["rc.capacitance"]
+        self.assertAlmostEqual(best["apparent_inertia"], added, delta=1e-3 * added)
+        self.assertLessEqual(best["apparent_inertia"], 2e-7)
+        model = json.loads((self.folder / "designed.json").read_text())
+        self.assertEqual(model, best["model"])
+        self.assertEqual(self.run_program("passivity", "designed.json").code, 0)
+        # The limit is found twice, each a thousandth below the true one or closer.
+        self.assertAlmostEqual(self.limit_of(model) / best["max_stiffness"], 1, delta=2e-3)
+        model["controller"]["stiffness"] = 1.01 * best["max_stiffness"]
+        self.assertEqual(self.run_program("passivity", self.write_model(model)).code, 1)
+        self.assertGreaterEqual(best["yield"], 0)
+        self.assertLessEqual(result["designs"][1]["max_stiffness"], best["max_stiffness"])
+        self.assertIn("less stiff", result["designs"][1]["loses_because"])
+
+    def test_no_pair_of_the_series_is_better(self):
+        rng = random.Random(8)
+        for _ in range(2):
+            low_r, low_c = 10 ** rng.uniform(-0.3, 0.5), 10 ** rng.uniform(-4.5, -4)
+            most = 10 ** rng.uniform(-7.5, -6.7)
+            ranges = {"rc.resistance": [low_r, 4 * low_r], "rc.capacitance": [low_c, 6 * low_c]}
+            result = self.design(ranges=ranges, series="E12", samples=1, designs=1,
+                                 constraints={"apparent_inertia": {"max": most}})
+            best = 0
+            for c in values_of_e12(low_c, 6 * low_c):
+                if TORQUE_CONSTANT**2 * c > most:
+                    continue
+                for r in values_of_e12(low_r, 4 * low_r):
+                    model = json.loads(DEVICE.read_text())
+                    model["damping"] = [{"kind": "rc", "resistance": r, "capacitance": c}]
+                    best = max(best, self.limit_of(model))
+            self.assertEqual(result["feasible"], best > 0)
+            if best > 0:
+                self.assertGreaterEqual(result["designs"][0]["max_stiffness"], best * (1 - 2e-3))
+
+    def test_what_cannot_be_names_the_constraint_and_how_far_it_would_have_to_give(self):
+        result = self.design(objective={"maximize": "stiffness", "virtual_damping": 1e-4,
+                                        "stiffness": "1 N.m/rad"},
+                             constraints={"apparent_inertia": {"max": "1e-7 kg.m^2"}})
+        self.assertFalse(result["feasible"])
+        self.assertEqual(result["designs"], [])
+        binding = result["binding_constraint"]
+        self.assertIn(binding["name"], ("max_stiffness", "apparent_inertia"))
+        self.assertFalse((self.folder / "designed.json").exists())
+
+    def test_the_stiffness_that_is_missing_is_what_there_is(self):
+        most = self.design()["designs"][0]["max_stiffness"]
+        wanted = {"maximize": "stiffness", "virtual_damping": 1e-4, "stiffness": 1.2 * most}
+        binding = self.design(objective=wanted)["binding_constraint"]
+        self.assertEqual(binding["name"], "max_stiffness")
+        self.assertTrue(binding["enough_alone"])
+        self.assertAlmostEqual(binding["needed"] / most, 1, delta=2e-3)
+        wanted["stiffness"] = 0.9 * most
+        self.assertTrue(self.design(objective=wanted)["feasible"])
+
+    def test_a_spec_that_is_wrong_is_refused_by_key(self):
+        for change, fragments in (({"serie": "E24"}, ("serie", "series")),
+                                  ({"topologies": ["lc"]}, ("/topologies/0", "rc")),
+                                  ({"ranges": {"rc.resistance": ["5 ohm", "1 ohm"]}},
+                                   ("/ranges/rc.resistance", "lowest")),
+                                  ({"constraints": {"resistor_power": {"max": "1 W"}}},
+                                   ("/operation", "resistor_power"))):
+            name = self.write_model(spec(**change), "spec.json")
+            self.assert_refused(self.run_program("design", name), "spec.json", *fragments)
+
+    def test_the_shipped_schema_is_the_programs(self):
+        self.assertEqual(self.run_program("schema", "--design").out,
+                         (ROOT / "schemas/design.schema.json").read_text())
+
+    def test_the_manual_has_the_programs_table(self):
+        table = self.run_program("schema", "--design", "--manual").out
+        self.assertIn(table.strip(), (ROOT / "docs/design.md").read_text())
+
+    def test_the_help_texts_example_is_the_manuals(self):
+        shown = (ROOT / "docs/design.md").read_text().split("```json\n")[1].split("```")[0]
+        shipped = json.loads((EXAMPLES / "design/re25.json").read_text())
+        for key, value in json.loads(shown).items():
+            self.assertEqual(value, shipped[key], key)
