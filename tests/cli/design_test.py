@@ -48,9 +48,18 @@ class DesignTest(ProgramTest):
         self.assertAlmostEqual(self.limit_of(model) / best["max_stiffness"], 1, delta=2e-3)
         model["controller"]["stiffness"] = 1.01 * best["max_stiffness"]
         self.assertEqual(self.run_program("passivity", self.write_model(model)).code, 1)
-        self.assertGreaterEqual(best["yield"], 0)
         self.assertLessEqual(result["designs"][1]["max_stiffness"], best["max_stiffness"])
         self.assertIn("less stiff", result["designs"][1]["loses_because"])
+
+    def test_the_yield_falls_with_the_tolerances(self):
+        # Rated at nine tenths of the limit: parts of a thousandth all carry it, of half their value not all.
+        bound = {"apparent_inertia": {"max": "2e-7 kg.m^2"}}
+        tight, wide = (self.design(constraints=bound, designs=1,
+                                   tolerance={"resistance": part, "capacitance": part})["designs"][0]["yield"]
+                       for part in ("0.1 %", "50 %"))
+        self.assertEqual(tight, 1)
+        self.assertLess(wide, 0.95)
+        self.assertGreater(wide, 0.1)
 
     def test_no_pair_of_the_series_is_better(self):
         rng = random.Random(8)
