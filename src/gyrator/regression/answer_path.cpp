@@ -115,27 +115,31 @@ bool matches(const json& value, const std::string& text) {
   return decimal && decimal->length == text.size() && std::strtod(text.c_str(), nullptr) == value;
 }
 
+// The smallest or largest number, through lists of lists; null where there is none.
+json find_extreme(const json& value, const std::string& how) {
+  if (value.is_number() || value.is_null()) return value;
+  if (!value.is_array())
+    refuse(fmt::format("{} is of lists of numbers: found {}", how, describe(value)));
+  json best;
+  for (const json& item : value) {
+    const json other = find_extreme(item, how);
+    if (other.is_null()) continue;
+    if (best.is_null() || (how == "#min" ? other < best : other > best)) best = other;
+  }
+  return best;
+}
+
 json reduce(const json& list, const std::string& how) {
   if (!list.is_array()) refuse(fmt::format("{} is of lists: found {}", how, describe(list)));
   if (how == "#") return list.size();
   if (list.empty()) refuse(fmt::format("{}: the list is empty", how));
   if (how == "#first") return list.front();
-  if (how == "#last") return list.back();
-  json best;
-  for (const json& value : list) {
-    if (value.is_null()) continue;
-    if (!value.is_number())
-      refuse(fmt::format("{} is of lists of numbers: found {}", how, describe(value)));
-    const bool is_better = best.is_null() || (how == "#min" ? value < best : value > best);
-    if (is_better) best = value;
-  }
-  return best;
+  return how == "#last" ? list.back() : find_extreme(list, how);
 }
 
 json walk(const json& value, const std::vector<Step>& steps, std::size_t next) {
   if (next == steps.size()) return value;
   const Step& step = steps[next];
-  if (step.kind == StepKind::reduce) return reduce(value, step.text);
   if (step.kind == StepKind::key) {
     if (!value.is_object())
       refuse(fmt::format("has no '{}': found {}", step.text, describe(value)));
@@ -170,9 +174,12 @@ json walk(const json& value, const std::vector<Step>& steps, std::size_t next) {
 }  // namespace
 
 json find_in_answer(const json& answer, std::string_view path) {
-  const std::vector<Step> steps = PathReader(path).read();
+  std::vector<Step> steps = PathReader(path).read();
   try {
-    return walk(answer, steps, 0);
+    if (steps.back().kind != StepKind::reduce) return walk(answer, steps, 0);
+    const std::string how = steps.back().text;
+    steps.pop_back();
+    return reduce(walk(answer, steps, 0), how);
   } catch (const Error& error) {
     refuse(fmt::format("'{}': {}", path, error.message()));
   }

@@ -15,8 +15,9 @@ namespace gyrator {
 ///
 /// "criteria[name=exact_disk].max_stiffness", "poses[*].name", "damping.#" (length of the list),
 /// "energy_trace.stored.#max". `[key=text]` is the first item whose member is that text, number
-/// or boolean; `[*]` gives the list of what the rest of the path names in each item; null items are
-/// left out of #min and #max.
+/// or boolean; `[*]` gives the list of what the rest of the path names in each item. "#…", at the
+/// end, is of the list before it: its length, a number of it; null items are left out of #min and
+/// #max, which look through lists of lists.
 /// Throws bad_input, without a place, for a path that is not written so, and for what the answer
 /// does not have, with the nearest name.
 nlohmann::json find_in_answer(const nlohmann::json& answer, std::string_view path);
