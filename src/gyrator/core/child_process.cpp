@@ -10,6 +10,7 @@
 #include <csignal>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <system_error>
@@ -101,9 +102,12 @@ pid_t start(const ChildProgram& program, std::FILE* input, std::FILE* output, st
 /// looks by itself whether one has come.
 int wait_for(const ChildProgram& program, pid_t child) {
   using std::chrono::milliseconds;
-  constexpr milliseconds longest{20};
+  using Clock = std::chrono::steady_clock;
+  constexpr milliseconds longest_pause{20};
+  // What it takes a program to put away what it has open; one that writes on is ended.
+  constexpr milliseconds patience{500};
   milliseconds pause{1};
-  bool told = false;
+  std::optional<Clock::time_point> told;
   int status = 0;
   while (true) {
     const pid_t ended = ::waitpid(child, &status, WNOHANG);
@@ -111,10 +115,11 @@ int wait_for(const ChildProgram& program, pid_t child) {
     if (ended < 0 && errno != EINTR) fail(program, errno);
     if (interrupt_requested() && !told) {
       ::kill(child, SIGTERM);
-      told = true;
+      told = Clock::now();
     }
+    if (told && Clock::now() - *told > patience) ::kill(child, SIGKILL);
     std::this_thread::sleep_for(pause);
-    pause = std::min(2 * pause, longest);
+    pause = std::min(2 * pause, longest_pause);
   }
 }
 

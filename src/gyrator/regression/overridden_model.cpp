@@ -10,6 +10,7 @@
 #include "gyrator/studies/model_format.hpp"
 #include "gyrator/synthesis/design_spec.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -78,15 +79,17 @@ OverridableModel::OverridableModel(std::string file) : file_(std::move(file)) {
   sha256_ = compute_sha256(text);
 }
 
-json OverridableModel::with_values(const json& values, const std::string& place) const {
+json OverridableModel::with_values(std::vector<ValueToSet> values) const {
   const Member* format = find_format(document_);
-  if (format == nullptr) {
-    throw Error(
-        ErrorCode::bad_input, place,
-        fmt::format("'{}' is no model and no design's spec: only their values can be set", file_));
-  }
   json document = document_;
-  for (const auto& [path, value] : values.items()) {
+  std::sort(values.begin(), values.end(),
+            [](const ValueToSet& a, const ValueToSet& b) { return a.path < b.path; });
+  for (const auto& [path, value, place] : values) {
+    if (format == nullptr) {
+      throw Error(ErrorCode::bad_input, place,
+                  fmt::format("'{}' is no model and no design's spec: only their values can be set",
+                              file_));
+    }
     try {
       if (value.is_structured()) {
         document[pointer_of(path)] = value;
@@ -96,10 +99,10 @@ json OverridableModel::with_values(const json& values, const std::string& place)
       }
       read_document(document, *format, "");
     } catch (const Error& error) {
-      throw Error(ErrorCode::bad_input, place + "/" + path,
+      throw Error(ErrorCode::bad_input, place,
                   (error.place().empty() ? "" : error.place() + ": ") + error.message());
     } catch (const json::exception&) {
-      throw Error(ErrorCode::bad_input, place + "/" + path,
+      throw Error(ErrorCode::bad_input, place,
                   "names nothing of the model: keys are separated by '.', items of lists are "
                   "numbers from 0");
     }

@@ -298,7 +298,13 @@ bool is_regression_study(const json& document) {
 }
 
 RegressionStudy load_regression_study(const std::string& path) {
-  return parse_regression_study(load_json_file(path), path);
+  const json document = load_json_file(path);
+  if (!is_regression_study(document)) {
+    throw Error(
+        ErrorCode::bad_input, path,
+        fmt::format("is no regression study: one says \"schema\": \"{}\"", regression_schema_name));
+  }
+  return parse_regression_study(document, path);
 }
 
 RegressionStudy parse_regression_study(const json& document, const std::string& file) {

@@ -140,17 +140,13 @@ class Runner {
     const OverridableModel model((folder_of(study) / run.model).string());
     const std::string place = place_of(study, run);
     for (std::size_t k = 0; k < answer.points.size(); ++k) {
-      json values = run.set;
-      for (const VariedValue& varied : run.vary) values[varied.path] = varied.values[k];
-      if (run.seed && run.command != "tolerance")
-        values[run.command == "design" ? "seed" : "simulation.seed"] = *run.seed;
+      const std::vector<ValueToSet> values = list_values(run, k, place);
       const std::string stem = fmt::format("{}-{}", jobs_.size(), run.name);
       Job job{&run, folder_of(study), run.model, {}, &answer.points[k]};
       if (!values.empty()) {
-        const json document =
-            model.with_values(values, place + (run.set.empty() ? "/vary" : "/set"));
-        for (const auto& item : values.items())
-          answer.points[k].set[item.key()] = model.value_of(document, item.key());
+        const json document = model.with_values(values);
+        for (const ValueToSet& value : values)
+          answer.points[k].set[value.path] = model.value_of(document, value.path);
         const fs::path file = scratch_.path() / (stem + ".json");
         write_text_file(file.string(), document.dump(1) + "\n");
         job.model = file.string();
@@ -158,6 +154,20 @@ class Runner {
       if (run.command == "simulate") job.csv = scratch_.path() / (stem + ".csv");
       jobs_.push_back(std::move(job));
     }
+  }
+
+  static std::vector<ValueToSet> list_values(const RegressionRun& run, std::size_t point,
+                                             const std::string& place) {
+    std::vector<ValueToSet> values;
+    for (const auto& [path, value] : run.set.items())
+      values.push_back({path, value, place + "/set/" + path});
+    for (const VariedValue& varied : run.vary)
+      values.push_back({varied.path, varied.values[point], place + "/vary/" + varied.path});
+    if (run.seed && run.command != "tolerance") {
+      values.push_back(
+          {run.command == "design" ? "seed" : "simulation.seed", *run.seed, place + "/seed"});
+    }
+    return values;
   }
 
   void work(const Job& job, int threads) const {

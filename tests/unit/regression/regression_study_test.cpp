@@ -101,7 +101,7 @@ TEST(Baseline, WhatIsNoBaselineIsRefused) {
 
 TEST(OverridableModel, AValueReplacesTheModelsAndFilesAreFoundFromAnywhere) {
   const OverridableModel model("examples/recorded_push.json");
-  const json changed = model.with_values({{"simulation.seed", 7}}, "s.json: /runs/0/set");
+  const json changed = model.with_values({{"simulation.seed", 7, "s.json: /runs/0/set"}});
   EXPECT_EQ(changed["simulation"]["seed"], 7);
   EXPECT_EQ(model.value_of(changed, "simulation.seed"), 7);
   EXPECT_NE(changed.dump().find("/examples/push.csv"), std::string::npos);
@@ -110,7 +110,7 @@ TEST(OverridableModel, AValueReplacesTheModelsAndFilesAreFoundFromAnywhere) {
 
 TEST(OverridableModel, ToleratedPartsKeepTheirTolerance) {
   const OverridableModel model("examples/rc_display_tolerance.json");
-  const json changed = model.with_values({{"controller.stiffness", "0.05 N.m/rad"}}, "");
+  const json changed = model.with_values({{"controller.stiffness", "0.05 N.m/rad", ""}});
   EXPECT_NE(changed.dump().find("±"), std::string::npos);
   EXPECT_EQ(model.value_of(changed, "controller.stiffness"), 0.05);
 }
