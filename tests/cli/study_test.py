@@ -303,8 +303,8 @@ class RunTest(StudyTest):
         self.write_study(study)
         self.study("run", "study.json", "-o", "out", "--filter", "limit")
         text = self.read("out/damping.svg")
-        self.assertIn("period 0.001", text)
-        self.assertIn("period 0.002", text)
+        self.assertIn("period = 0.001", text)
+        self.assertIn("period = 0.002", text)
 
     def test_sweeps_and_regression_studies_keep_their_options_apart(self):
         self.assert_refused(self.run_program("study", "run", "study.json", "-o", "out", "--analysis", "zwidth"),

@@ -163,7 +163,11 @@ void add_request(CLI::App& command, CheckOptions& options) {
 }  // namespace
 
 bool is_regression_file(const std::string& path) {
-  return is_regression_study(load_json_file(study_of(path)));
+  try {
+    return is_regression_study(load_json_file(study_of(path)));
+  } catch (const Error&) {  // told once, by whoever reads it, in whatever number of processes
+    return false;
+  }
 }
 
 void run_regression_study(const RegressionRequest& request, const std::string& folder,

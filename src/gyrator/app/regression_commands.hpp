@@ -15,8 +15,8 @@ struct RegressionRequest {
   bool as_json = false, quiet = false;
 };
 
-/// Whether a file, or the study.json of a folder, is a regression study. Throws bad_input for one
-/// that is no JSON.
+/// Whether a file, or the study.json of a folder, is a regression study; what cannot be read is
+/// none.
 bool is_regression_file(const std::string& path);
 
 /// `study run` of a regression study: all answers and figures into a folder.

@@ -17,13 +17,10 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-// "(sampling.delay = 0.05)" of a point of a run that varies.
+// " (sampling.delay = 0.05)" of a point of a run that varies.
 std::string describe_point(const RunAnswer& run, std::size_t point) {
-  std::vector<std::string> parts;
-  for (const VariedValue& varied : run.run->vary)
-    parts.push_back(fmt::format("{} = {}", varied.path,
-                                describe_figure(run.points[point].set[varied.path], "")));
-  return parts.empty() ? "" : fmt::format(" ({})", join(parts));
+  const std::string text = describe_varied(run, point);
+  return text.empty() ? "" : " (" + text + ")";
 }
 
 // What the program said of its failure, in one line.

@@ -59,16 +59,6 @@ std::vector<double> read_numbers(const json& list, double scale) {
   return numbers;
 }
 
-// "delay = 0.05" of the k-th curve of a run that varies.
-std::string describe_values(const RunAnswer& run, std::size_t k) {
-  std::vector<std::string> parts;
-  for (const VariedValue& varied : run.run->vary) {
-    const std::string key = varied.path.substr(varied.path.rfind('.') + 1);
-    parts.push_back(key + " " + describe_figure(run.points[k].set[varied.path], ""));
-  }
-  return join(parts);
-}
-
 std::vector<Curve> make_curves(const StudyCurve& curve, const RunAnswer& run) {
   json x = find_run_figure(run, curve.x);
   json y = find_run_figure(run, curve.y);
@@ -90,7 +80,7 @@ std::vector<Curve> make_curves(const StudyCurve& curve, const RunAnswer& run) {
     return curves;
   }
   for (std::size_t k = 0; k < y.size(); ++k) {
-    const std::string value = describe_values(run, k);
+    const std::string value = describe_varied(run, k);
     add(curve.title.empty() ? value : curve.title + ", " + value, x[k].is_array() ? x[k] : x, y[k]);
   }
   return curves;

@@ -7,6 +7,7 @@
 #include "gyrator/documents/csv.hpp"
 #include "gyrator/documents/output_file.hpp"
 #include "gyrator/regression/answer_path.hpp"
+#include "gyrator/regression/figure_check.hpp"
 #include "gyrator/regression/overridden_model.hpp"
 #include "gyrator/studies/parallel.hpp"
 #include "gyrator/studies/progress.hpp"
@@ -257,6 +258,19 @@ json find_run_figure(const RunAnswer& run, const std::string& path) {
     }
   }
   return run.run->vary.empty() ? values.front() : values;
+}
+
+std::string describe_varied(const RunAnswer& run, std::size_t point) {
+  std::vector<std::string> parts;
+  for (const VariedValue& varied : run.run->vary) {
+    const json& value = run.points[point].set[varied.path];
+    const json kind = value.is_object() ? value.value("kind", json()) : json();
+    parts.push_back(fmt::format("{} = {}", varied.path,
+                                value.is_structured() && kind.is_null()
+                                    ? fmt::format("#{}", point)
+                                    : describe_figure(kind.is_null() ? value : kind, "")));
+  }
+  return join(parts);
 }
 
 TraceTable read_trace_table(const std::string& path, const TraceExpectation& tube) {

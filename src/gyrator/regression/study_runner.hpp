@@ -59,6 +59,10 @@ std::vector<StudyAnswers> run_studies(const std::vector<RegressionStudy>& studie
 /// varied value. Throws bad_input, without a place, for what an answer does not have.
 nlohmann::json find_run_figure(const RunAnswer& run, const std::string& path);
 
+/// "sampling.delay = 0.05, controller.stiffness = 8": what this point of a run that varies is; an
+/// object by its kind or, without one, its number. Empty for a run that does not vary.
+std::string describe_varied(const RunAnswer& run, std::size_t point);
+
 /// The tube's columns of a trace in a file. Throws bad_input for one that cannot be read, a column
 /// that it does not have, and a value that is no number.
 TraceTable read_trace_table(const std::string& path, const TraceExpectation& tube);

@@ -270,7 +270,11 @@ void write_update(const StudyUpdate& update) {
   };
   for (const auto& [path, text] : update.traces) prepare(path.string(), text);
   prepare(baseline_name(update.study_file), write_baseline_text(update.baseline));
-  for (const auto& file : files) file->stream().flush();
+  for (const auto& file : files) {  // a full disk shows before the first takes its name
+    file->stream().flush();
+    if (!file->stream())
+      throw Error(ErrorCode::bad_input, update.study_file, "its baseline cannot be written");
+  }
   for (const auto& file : files) file->commit();
   std::error_code ignored;
   for (const fs::path& path : update.stale) fs::remove(path, ignored);
