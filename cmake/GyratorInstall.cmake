@@ -10,7 +10,7 @@ install(TARGETS ${gyrator_targets} gyrator
 install(DIRECTORY src/gyrator DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.hpp" PATTERN "app" EXCLUDE)
 install(FILES ${PROJECT_BINARY_DIR}/generated/gyrator/version.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gyrator)
-install(FILES schemas/model.schema.json schemas/study.schema.json schemas/design.schema.json schemas/amplifier.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/gyrator)
+install(FILES schemas/model.schema.json schemas/study.schema.json schemas/regression.schema.json schemas/design.schema.json schemas/amplifier.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/gyrator)
 install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/gyrator FILES_MATCHING PATTERN "*.json" PATTERN "*.csv")
 install(DIRECTORY profiles DESTINATION ${CMAKE_INSTALL_DATADIR}/gyrator FILES_MATCHING PATTERN "*.json")
 

@@ -23,7 +23,8 @@ MAY_INCLUDE = {
     "studies": {"core", "circuits", "controllers", "mechanics", "verification", "cosim", "lanes", "passivity", "two_port", "robustness", "documents", "amplifiers", "twin", "identification", "tuning", "plots"},
     "sweeps": {"core", "nodes", "circuits", "controllers", "mechanics", "cosim", "passivity", "documents", "plots", "studies"},
     "synthesis": {"core", "circuits", "controllers", "mechanics", "cosim", "passivity", "documents", "plots", "studies"},
-    "app": {"core", "nodes", "documents", "modbus", "amplifiers", "twin", "identification", "tuning", "plots", "studies", "sweeps", "synthesis"},
+    "regression": {"core", "documents", "plots", "studies", "sweeps", "synthesis"},
+    "app": {"core", "nodes", "documents", "modbus", "amplifiers", "twin", "identification", "tuning", "plots", "studies", "sweeps", "synthesis", "regression"},
 }
 root = pathlib.Path(__file__).resolve().parent.parent / "src" / "gyrator"
 wrong = []

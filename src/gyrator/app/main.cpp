@@ -2,6 +2,7 @@
 
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/interrupt.hpp"
+#include "gyrator/studies/parallel.hpp"
 #include "gyrator/version.hpp"
 
 #include <cerrno>
@@ -84,6 +85,7 @@ int main(int argc, char** argv) {
   // A reader that goes away must not end what is on its way: a motor may be turning.
   std::signal(SIGPIPE, SIG_IGN);
   gyrator::app::remember_command_line(argc, argv);
+  const gyrator::ThreadLimit limit(gyrator::read_threads_variable());
   try {
     return finish_stdout(run(argc, argv));
   } catch (const gyrator::Error& error) {

@@ -14,6 +14,7 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
+#include "regression_commands.hpp"
 #include "usage_errors.hpp"
 
 namespace gyrator::app {
@@ -22,7 +23,7 @@ namespace {
 using nlohmann::json;
 
 struct RunOptions {
-  std::string file, analysis, output, timeout;
+  std::string file, analysis, output, timeout, filter;
   std::vector<std::string> vary;
   long sobol = 0, random = 0, seed = 1, threads = 0;
   bool keep_going = false, restart = false, as_json = false, quiet = false;
@@ -106,7 +107,31 @@ void check_ending(const std::string& output) {
                           output));
 }
 
+// Of a regression study, which says itself what varies.
+void run_regression(const RunOptions& options, int& exit_code) {
+  const bool has_more = !options.vary.empty() || !options.analysis.empty() || options.sobol > 0 ||
+                        options.random > 0 || !options.timeout.empty() || options.keep_going ||
+                        options.restart;
+  if (has_more) {
+    throw Error(ErrorCode::bad_input, options.file,
+                "is a regression study: of the options it takes --filter, --threads, --json and "
+                "--quiet");
+  }
+  RegressionRequest request;
+  request.files = {options.file};
+  request.filter = options.filter;
+  request.threads = static_cast<int>(options.threads);
+  request.as_json = options.as_json;
+  request.quiet = options.quiet;
+  run_regression_study(request, options.output, exit_code);
+}
+
 void run(const RunOptions& options, int& exit_code) {
+  if (is_regression_file(options.file)) return run_regression(options, exit_code);
+  if (!options.filter.empty()) {
+    throw Error(ErrorCode::bad_input, "--filter",
+                "is for regression studies, which have several runs");
+  }
   SweepRequest request;
   request.output = options.output;
   request.command_line = describe_command(options);
@@ -196,7 +221,7 @@ void add_run(CLI::App& study, int& exit_code) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command = study.add_subcommand(
       "run", "Compute an analysis of a model over values that vary in it, into an HDF5 file");
-  command->add_option("MODEL", options->file, "Model file, or study file (JSON)")
+  command->add_option("MODEL", options->file, "Model file, or study file of either kind (JSON)")
       ->required()
       ->check(not_empty());
   command
@@ -228,7 +253,9 @@ void add_run(CLI::App& study, int& exit_code) {
       ->capture_default_str()
       ->needs(random)
       ->check(whole_number_between(0, 1'000'000'000'000'000));
-  command->add_option("-o,--output", options->output, "Result file (HDF5)")
+  command
+      ->add_option("-o,--output", options->output,
+                   "Result file (HDF5); of a regression study the folder for its results")
       ->type_name("FILE")
       ->required()
       ->check(not_empty());
@@ -246,6 +273,11 @@ void add_run(CLI::App& study, int& exit_code) {
                     "Record points that fail and go on, instead of stopping at the first");
   command->add_flag("--restart", options->restart,
                     "Throw away what an earlier run has left in FILE.journal");
+  command
+      ->add_option("--filter", options->filter,
+                   "Of a regression study: only runs with this text in STUDY/RUN")
+      ->type_name("TEXT")
+      ->check(not_empty());
   command->add_flag("--json", options->as_json, "Print one JSON object and nothing else");
   command->add_flag("--quiet", options->quiet, "No text and no progress");
   command->footer(
@@ -278,12 +310,14 @@ void add_show(CLI::App& study) {
 }  // namespace
 
 void add_study_command(CLI::App& app, int& exit_code) {
-  CLI::App* command =
-      app.add_subcommand("study", "Sweeps: an analysis over values that vary in a model");
+  CLI::App* command = app.add_subcommand(
+      "study", "Sweeps over values that vary in a model, and figures that must not change");
   command->require_subcommand(1);
   command->footer("Example:\n  gyrator study run --help");
   add_run(*command, exit_code);
   add_show(*command);
+  add_check_command(*command, exit_code);
+  add_update_command(*command, exit_code);
 }
 
 }  // namespace gyrator::app

@@ -1,6 +1,8 @@
 #include "gyrator/studies/parallel.hpp"
 
+#include <cstdlib>
 #include <optional>
+#include <string>
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
@@ -19,6 +21,26 @@ void run_parallel(std::size_t count, int threads, const std::function<void(std::
       for (std::size_t i = range.begin(); i < range.end(); ++i) body(i);
     });
   });
+}
+
+struct ThreadLimit::Control {
+  tbb::global_control limit;
+};
+
+ThreadLimit::ThreadLimit(int threads) {
+  if (threads <= 0) return;
+  control_.reset(new Control{tbb::global_control(tbb::global_control::max_allowed_parallelism,
+                                                 static_cast<std::size_t>(threads))});
+}
+
+ThreadLimit::~ThreadLimit() = default;
+
+int read_threads_variable() {
+  const char* text = std::getenv(threads_variable);
+  if (text == nullptr) return 0;
+  constexpr long most = 1024;
+  const long threads = std::strtol(text, nullptr, 10);
+  return threads >= 1 && threads <= most ? static_cast<int>(threads) : 0;
 }
 
 }  // namespace gyrator
