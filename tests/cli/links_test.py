@@ -1,4 +1,4 @@
-"""The links of the documentation: every one leads to a file, and every page can be reached from the README."""
+"""The links of documentation and studies: every one leads to a file, and every page can be reached from the README."""
 import os
 import re
 import unittest
@@ -12,7 +12,7 @@ CODE = re.compile(r"^```.*?^```|^    .*?$|`[^`\n]*`", re.MULTILINE | re.DOTALL)
 
 
 def pages():
-    return [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]
+    return [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md")), *sorted((ROOT / "studies").glob("**/*.md"))]
 
 
 def headings(page):
