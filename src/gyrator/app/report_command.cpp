@@ -21,6 +21,7 @@ struct Options {
   std::vector<std::string> results;
   std::string output = "report.html";
   std::string finding;
+  std::string figures;
   bool quiet = false;
 };
 
@@ -62,6 +63,7 @@ void run(const Options& options) {
   }
   write_report(results, options.output, options.results);
   if (!options.finding.empty()) render_figure(finding_figure(passivity, zwidth), options.finding);
+  if (!options.figures.empty()) write_report_figures(results, options.figures, options.results);
   if (!options.quiet) fmt::print("{}\n", options.output);
 }
 
@@ -82,6 +84,11 @@ void add_report_command(CLI::App& app, int&) {
       ->add_option("--finding", options->finding,
                    "Also draw textbook against exact limit as SVG or PNG")
       ->type_name("FILE")
+      ->check(not_empty());
+  command
+      ->add_option("--figures", options->figures,
+                   "Also write every figure of the page as an SVG file into this folder")
+      ->type_name("DIR")
       ->check(not_empty());
   command->add_flag("--quiet", options->quiet, "Print nothing");
   command->footer(
