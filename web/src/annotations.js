@@ -58,6 +58,8 @@ function labelPlace(marker, x, y, width, height, bbox, taken, ratio) {
     [x - 0.6 * gap - width, y + 1.2 * gap],
     [x - 0.5 * width, y - 1.5 * gap],
     [x - 0.5 * width, y + 1.5 * gap],
+    [x - 0.5 * width, y - 2.7 * gap],
+    [x - 0.5 * width, y + 2.7 * gap],
   ].map(([left, middle]) => ({
     left,
     right: left + width,

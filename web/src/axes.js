@@ -1,6 +1,6 @@
 // The axes of a panel: uPlot's, with ticks and names as in the printed figures.
 
-import { linearTick, logarithmicTick } from "./numbers.js";
+import { linearTick, logarithmicTicks } from "./numbers.js";
 
 const letters = '"DejaVu Sans", Verdana, system-ui, sans-serif';
 const tickFont = `12px ${letters}`;
@@ -80,7 +80,7 @@ export function axisOptions(scale, axis) {
     options.splits = (u, _, low, high) => logarithmicSplits(low, high, pixels(u));
     options.filter = options.grid.filter = filter;
     options.values = (u, splits) =>
-      splits.map((value) => (value == null ? null : logarithmicTick(value * 10 ** axis.exponent)));
+      logarithmicTicks(splits.map((value) => (value == null ? null : value * 10 ** axis.exponent)));
   } else {
     options.values = (u, splits, _, space, step) => splits.map((value) => linearTick(value, step));
   }

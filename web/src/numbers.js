@@ -34,9 +34,13 @@ export function linearTick(value, step) {
   return withMinus(/^-0(\.0*)?$/.test(text) ? text.slice(1) : text);
 }
 
-/** A tick of a logarithmic axis: 10ⁿ at decades, plain or in powers of ten between. */
-export function logarithmicTick(value) {
-  const exponent = Math.log10(value);
-  const decade = Math.round(exponent);
-  return Math.abs(exponent - decade) < 1e-9 ? "10" + superscript(decade) : prettyNumber(value, 4);
+const isDecade = (value) => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-9;
+
+/** Ticks of a logarithmic axis: 10ⁿ, or where there are others between decades, plain numbers. */
+export function logarithmicTicks(values) {
+  const decades = values.every((value) => value == null || isDecade(value));
+  return values.map((value) => {
+    if (value == null) return null;
+    return decades ? "10" + superscript(Math.round(Math.log10(value))) : prettyNumber(value, 4);
+  });
 }

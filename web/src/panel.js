@@ -38,9 +38,12 @@ function panelInAxisUnits(panel, numbers) {
     axis.high /= 10 ** axis.exponent;
   }
   const { x, y } = panel;
+  const curves = panel.curves.map((curve) => inAxisUnits(curve, panel, numbers));
+  // uPlot wants a curve, even where there are only points and lines.
+  const none = { title: "", style: "line", colour: "#000000", x: [x.low], y: [null], sorted: true };
   return {
     ...panel,
-    curves: panel.curves.map((curve) => inAxisUnits(curve, panel, numbers)),
+    curves: curves.length > 0 ? curves : [none],
     markers: panel.markers.map((m) => ({ ...m, x: m.x / 10 ** x.exponent, y: m.y / 10 ** y.exponent })),
     lines: panel.lines.map((line) => ({
       ...line,
@@ -70,7 +73,7 @@ function sampleText(panel, curve, i, topX) {
 function legendMarkers(panel) {
   const curve = (i) => panel.curves[i - 1];
   return {
-    width: (u, i) => (u.series[i].width > 0 ? 2 : 0),
+    width: (u, i) => (u.series[i].stroke(u, i) == null ? 0 : 2),
     stroke: (u, i) => curve(i).colour,
     dash: (u, i) => ({ dashed: "dashed", dotted: "dotted" })[curve(i).style] ?? "solid",
     fill: (u, i) => u.series[i].fill(u, i) ?? "transparent",
@@ -178,9 +181,9 @@ export class PanelPlot {
 
   series(curve) {
     const { panel } = this;
-    const only = panel.curves.length === 1;
     const look = curveLook(curve, panel.y);
     const something = curve.y.some((value) => value != null);
+    const only = something && panel.curves.length === 1;
     return {
       ...look,
       paths: something ? look.paths : () => null,

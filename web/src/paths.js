@@ -155,7 +155,8 @@ export function curveLook(curve, yAxis) {
     case "steps":
       return { ...line, width: 1.5, paths: uPlot.paths.stepped({ align: 1 }) };
     case "points":
-      return { stroke: null, width: 0, fill: curve.colour, paths: pointsPath(curve) };
+      // No stroke, but as wide as the points: so far beyond the frame they are not cut.
+      return { stroke: null, width: 6, fill: curve.colour, paths: pointsPath(curve) };
     case "impulses":
       return { ...line, paths: impulsesPath(curve, yAxis) };
     case "area":

@@ -41,6 +41,9 @@ figcaption { color: var(--soft); font-size: 0.9rem; max-width: 46rem; margin-top
 pre { font: 0.82rem/1.45 "DejaVu Sans Mono", monospace; background: #f6f6f6; padding: 0.8rem;
       border-radius: 4px; white-space: pre-wrap; overflow-wrap: anywhere; }
 footer { color: var(--soft); font-size: 0.85rem; margin-top: 3rem; }
+@media (max-width: 46rem) {
+  thead ~ tbody td:last-child:not(.number) { min-width: 14rem; }
+}
 @media print {
   body { max-width: none; padding: 0; font-size: 10pt; }
   figure, table, .finding, .verdict { break-inside: avoid; }
