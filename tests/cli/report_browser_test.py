@@ -49,7 +49,7 @@ def make_results(folder):
         "zwidth": ["zwidth", "model.json"],
         "time": ["zwidth", "model.json", "--criterion", "time", "--points", "9", "--rows", "9"],
         "simulate": ["simulate", "model.json"],
-        "impedance": ["impedance", "model.json"],
+        "impedance": ["impedance", "model.json", "--points", "100"],
         "compare": ["compare", first, second, "--points", "12"],
     }
     results = {}
@@ -232,48 +232,46 @@ class ReportInABrowser(unittest.TestCase):
         panel = self.panels_of("zwidth")[0]
         boundaries = {b["criterion"]: b for b in self.results["zwidth"]["boundaries"]}
         exact = boundaries["exact_disk"]
-        i = len(exact["damping"]) // 3
-        top, said = self.point_at(panel, 1e6 * exact["damping"][i], 0.3)
-        self.assertTrue(top.startswith("virtual damping B "), top)
-        self.assertTrue(top.endswith(" N·m·s/rad"), top)
-        b = number_in(top.removeprefix("virtual damping B "))
-        for title, criterion in (("true limit, exact aliased disk", "exact_disk"),
-                                 ("textbook, Re Z + bᵥ > 0", "frequency_dependent")):
-            boundary = boundaries[criterion]
-            text = said[title]
-            self.assertIn("N·m/rad", text)
-            at = number_in(text.split(" at ")[1]) if " at " in text else b
-            nearest = min(range(len(boundary["damping"])), key=lambda j: abs(boundary["damping"][j] - at))
-            self.assertAlmostEqual(at, boundary["damping"][nearest], delta=PRINTED * abs(at))
-            self.assertAlmostEqual(number_in(text), boundary["max_stiffness"][nearest],
-                                   delta=PRINTED * boundary["max_stiffness"][nearest])
+        for i in (len(exact["damping"]) // 3, len(exact["damping"]) // 4):  # samples are 10 pixels apart
+            top, said = self.point_at(panel, 1e6 * exact["damping"][i], exact["max_stiffness"][i])
+            self.assertTrue(top.startswith("virtual damping B "), top)
+            self.assertTrue(top.endswith(" N·m·s/rad"), top)
+            b = number_in(top.removeprefix("virtual damping B "))
+            for title, criterion in (("true limit, exact aliased disk", "exact_disk"),
+                                     ("textbook, Re Z + bᵥ > 0", "frequency_dependent")):
+                boundary = boundaries[criterion]
+                text = said[title]
+                self.assertIn("N·m/rad", text)
+                at = number_in(text.split(" at ")[1]) if " at " in text else b
+                nearest = min(range(len(boundary["damping"])),
+                              key=lambda j, xs=boundary["damping"]: abs(xs[j] - exact["damping"][i]))
+                self.assertAlmostEqual(at, boundary["damping"][nearest], delta=PRINTED * abs(at))
+                self.assertAlmostEqual(number_in(text), boundary["max_stiffness"][nearest],
+                                       delta=PRINTED * boundary["max_stiffness"][nearest])
 
     def test_on_logarithmic_axes_it_says_the_impedance_of_the_result(self):
         panel = self.panels_of("impedance")[0]
         result = self.results["impedance"]
-        for i in (20, len(result["frequency_hz"]) // 2, -20):
-            size = abs(complex(result["impedance_real"][i], result["impedance_imag"][i]))
-            top, said = self.point_at(panel, result["frequency_hz"][i], size)
-            f = number_in(top.removeprefix("frequency "))
-            nearest = min(range(len(result["frequency_hz"])), key=lambda j: abs(result["frequency_hz"][j] - f))
-            self.assertAlmostEqual(f, result["frequency_hz"][nearest], delta=PRINTED * f)
-            size = abs(complex(result["impedance_real"][nearest], result["impedance_imag"][nearest]))
-            self.assertAlmostEqual(number_in(said["|Z|"]), size, delta=PRINTED * size)
-            damping = result["impedance_real"][nearest]
-            self.assertAlmostEqual(number_in(said["Re Z, effective damping"]), damping,
-                                   delta=PRINTED * damping)
+        for i in (20, 50, 80):  # of 100: samples are six pixels apart
+            z = complex(result["impedance_real"][i], result["impedance_imag"][i])
+            top, said = self.point_at(panel, result["frequency_hz"][i], abs(z))
+            for text, value in ((top.removeprefix("frequency "), result["frequency_hz"][i]), (said["|Z|"], abs(z)),
+                                (said["Re Z, effective damping"], z.real)):
+                self.assertAlmostEqual(number_in(text), value, delta=PRINTED * value)
 
     def test_a_held_command_is_the_last_sample_before_the_pointer(self):
         panel = self.panels_of("simulate")[2]
         trace = self.results["simulate"]["trace"]
-        i = 123
-        _, said = self.point_at(panel, trace["time_s"][i] + 0.9e-3, 0)  # nearer to the next one
+        period = trace["time_s"][1]
+        self.drag(panel, (-30, 0), (30, 4))
+        self.wait(lambda: self.view(panel)["x"][1] - self.view(panel)["x"][0] < 60 * period, "no zoom")
+        low, high = self.view(panel)["x"]  # samples are more than ten pixels apart now
+        i = round((low + high) / 2 / period)
+        _, said = self.point_at(panel, trace["time_s"][i] + 0.8 * period, 0)  # nearer to the next one
         text = said["command"]
-        at = number_in(text.split(" at ")[1]) if " at " in text else trace["time_s"][i + 1]
-        nearest = min(range(len(trace["time_s"])), key=lambda j: abs(trace["time_s"][j] - at))
-        self.assertLessEqual(abs(nearest - i), 1)  # a pixel is most of a millisecond here
-        self.assertAlmostEqual(number_in(text), trace["held_command_after"][nearest],
-                               delta=PRINTED * abs(trace["held_command_after"][nearest]))
+        value = trace["held_command_after"][i]
+        self.assertAlmostEqual(number_in(text), value, delta=PRINTED * abs(value))
+        self.assertAlmostEqual(number_in(text.split(" at ")[1]), trace["time_s"][i], delta=PRINTED * trace["time_s"][i])
 
     def test_a_cell_of_the_map_says_which_outcome_it_is(self):
         panel = self.panels_of("time")[0]

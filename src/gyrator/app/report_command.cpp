@@ -4,6 +4,7 @@
 #include "gyrator/studies/report.hpp"
 #include "gyrator/studies/result_figures.hpp"
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -45,6 +46,10 @@ void check_outputs(const Options& options) {
       !options.finding.ends_with(".png")) {
     throw Error(ErrorCode::bad_input, "--finding",
                 options.finding + ": the name must end in .svg or .png");
+  }
+  if (!options.figures.empty() && std::filesystem::exists(options.figures) &&
+      !std::filesystem::is_directory(options.figures)) {
+    throw Error(ErrorCode::bad_input, "--figures", options.figures + ": is no folder");
   }
   std::vector<NamedFile> inputs;
   for (const auto& path : options.results) inputs.push_back({"the result " + path, path});
