@@ -112,9 +112,9 @@ class Columns {
   void add_right(double value) { x_high.push_back(number(value, x_digits_)); }
 
   std::string members(Numbers& numbers) const {
-    auto json = fmt::format("\"x\":{},\"y\":{}", numbers.add(x), numbers.add(y));
-    if (!y_low.empty()) json += fmt::format(",\"y_low\":{}", numbers.add(y_low));
-    if (!x_high.empty()) json += fmt::format(",\"x_high\":{}", numbers.add(x_high));
+    auto json = fmt::format(R"("x":{},"y":{})", numbers.add(x), numbers.add(y));
+    if (!y_low.empty()) json += fmt::format(R"(,"y_low":{})", numbers.add(y_low));
+    if (!x_high.empty()) json += fmt::format(R"(,"x_high":{})", numbers.add(x_high));
     return json;
   }
 
