@@ -6,9 +6,10 @@ import unittest
 
 from program import EXAMPLES, MODEL_COMMANDS, RC_DISPLAY, ROOT, ProgramTest, example_models, program
 
-# What would make a page fetch something: attributes and rules with an address that is not "#…" or data.
+# What would make a page fetch something: attributes and rules with an address that is not "#…" or data. The page's
+# one script and the figures' data stand inside it.
 FETCHES = re.compile(r"""(?:\s(?:src|srcset|href|xlink:href|action|data|poster)\s*=\s*["']?(?!["']?(?:\#|data:))
-                         |url\(\s*["']?(?!["']?(?:\#|data:))|@import|<link\b|<script\b|<iframe\b|<object\b|<base\b)
+                         |url\(\s*["']?(?!["']?(?:\#|data:))|@import|<link\b|<script\b(?!>|\stype="application/json")|<iframe\b|<object\b|<base\b)
                          [^>\s]*""", re.IGNORECASE | re.VERBOSE)
 
 
@@ -53,6 +54,8 @@ class EveryExampleTest(ProgramTest):
                 self.assertTrue(page.startswith("<!DOCTYPE html>"))
                 self.assertTrue(page.rstrip().endswith("</html>"))
                 self.assertEqual(FETCHES.findall(page), [])
+                self.assertEqual(page.count("<script>"), 1)
+                self.assertIn("default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-", page)
                 self.assertGreaterEqual(page.count("<svg"), len(commands))
                 for command in commands:  # how each result was made
                     self.assertIn(f"gyrator {command} ", page)
@@ -60,7 +63,7 @@ class EveryExampleTest(ProgramTest):
                 self.assertLessEqual(addresses, {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"})
 
     def test_the_fetch_pattern_finds_what_a_page_must_not_have(self):
-        for bad in ('<img src="x.png">', "<a href='http://x'>", "background: url(x.png)", "<script>", "@import 'x'",
+        for bad in ('<img src="x.png">', "<a href='http://x'>", "background: url(x.png)", '<script src="x.js">', "@import 'x'",
                     '<image xlink:href="x.png"/>'):
             self.assertRegex(f" {bad}", FETCHES)
         for good in ('<use xlink:href="#p"/>', "fill: url(#g)", '<image href="data:image/png;base64,AA"/>'):

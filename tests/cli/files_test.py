@@ -129,7 +129,18 @@ class OutputTest(ProgramTest):
                             "cannot be written")
         self.assert_refused(self.run_program("report", "z.json", "--finding", "f.pdf", "-o", "r.html"), "f.pdf",
                             ".svg or .png")
+        self.assert_refused(self.run_program("report", "z.json", "--figures", "z.json", "-o", "r.html"), "z.json",
+                            "is no folder")
         self.assertEqual(self.files(), ["z.json"])
+
+    def test_the_figures_of_a_report_are_written_as_svg_files(self):
+        self.run_program("impedance", RC_DISPLAY, "--points", "5", "-o", "z.json", "--quiet")
+        answer = self.run_program("report", "z.json", "-o", "r.html", "--figures", "new/figures")
+        self.assertEqual((answer.code, answer.err), (0, ""), answer)
+        drawn = {path.name: path.read_text() for path in (self.folder / "new/figures").iterdir()}
+        self.assertEqual(sorted(drawn), ["1-impedance.svg", "device.svg"])
+        self.run_program("impedance", RC_DISPLAY, "--points", "5", "--svg", "z.svg", "--quiet")
+        self.assertEqual(drawn["1-impedance.svg"], (self.folder / "z.svg").read_text())
 
 
 class InterruptTest(ProgramTest):

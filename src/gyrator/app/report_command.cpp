@@ -4,6 +4,7 @@
 #include "gyrator/studies/report.hpp"
 #include "gyrator/studies/result_figures.hpp"
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@ struct Options {
   std::vector<std::string> results;
   std::string output = "report.html";
   std::string finding;
+  std::string figures;
   bool quiet = false;
 };
 
@@ -45,6 +47,10 @@ void check_outputs(const Options& options) {
     throw Error(ErrorCode::bad_input, "--finding",
                 options.finding + ": the name must end in .svg or .png");
   }
+  if (!options.figures.empty() && std::filesystem::exists(options.figures) &&
+      !std::filesystem::is_directory(options.figures)) {
+    throw Error(ErrorCode::bad_input, "--figures", options.figures + ": is no folder");
+  }
   std::vector<NamedFile> inputs;
   for (const auto& path : options.results) inputs.push_back({"the result " + path, path});
   check_files(inputs, {{"--output", options.output}, {"--finding", options.finding}});
@@ -62,6 +68,7 @@ void run(const Options& options) {
   }
   write_report(results, options.output, options.results);
   if (!options.finding.empty()) render_figure(finding_figure(passivity, zwidth), options.finding);
+  if (!options.figures.empty()) write_report_figures(results, options.figures, options.results);
   if (!options.quiet) fmt::print("{}\n", options.output);
 }
 
@@ -82,6 +89,11 @@ void add_report_command(CLI::App& app, int&) {
       ->add_option("--finding", options->finding,
                    "Also draw textbook against exact limit as SVG or PNG")
       ->type_name("FILE")
+      ->check(not_empty());
+  command
+      ->add_option("--figures", options->figures,
+                   "Also write every figure of the page as an SVG file into this folder")
+      ->type_name("DIR")
       ->check(not_empty());
   command->add_flag("--quiet", options->quiet, "Print nothing");
   command->footer(

@@ -1,6 +1,8 @@
 #include "gyrator/plots/html.hpp"
 
+#include "gyrator/documents/digest.hpp"
 #include "gyrator/plots/pretty_text.hpp"
+#include "gyrator/plots/web_assets.hpp"
 
 #include <algorithm>
 
@@ -10,7 +12,7 @@ namespace gyrator {
 namespace {
 
 constexpr const char* style = R"(
-:root { --ink: #1c1c1c; --soft: #5a5a5a; --line: #d9d9d9; --blue: #0072b2; --red: #b34700; }
+:root { color-scheme: light; --ink: #1c1c1c; --soft: #5a5a5a; --line: #d9d9d9; --blue: #0072b2; --red: #b34700; }
 * { box-sizing: border-box; }
 body { margin: 0 auto; padding: 1.2rem 1.2rem 4rem; max-width: 72rem; background: #fff;
        color: var(--ink); font: 16px/1.5 "DejaVu Sans", Verdana, system-ui, sans-serif; }
@@ -39,6 +41,9 @@ figcaption { color: var(--soft); font-size: 0.9rem; max-width: 46rem; margin-top
 pre { font: 0.82rem/1.45 "DejaVu Sans Mono", monospace; background: #f6f6f6; padding: 0.8rem;
       border-radius: 4px; white-space: pre-wrap; overflow-wrap: anywhere; }
 footer { color: var(--soft); font-size: 0.85rem; margin-top: 3rem; }
+@media (max-width: 46rem) {
+  thead ~ tbody td:last-child:not(.number) { min-width: 14rem; }
+}
 @media print {
   body { max-width: none; padding: 0; font-size: 10pt; }
   figure, table, .finding, .verdict { break-inside: avoid; }
@@ -47,6 +52,22 @@ footer { color: var(--soft); font-size: 0.85rem; margin-top: 3rem; }
   .scroll { overflow: visible; }
 }
 )";
+
+/// Bytes written as hexadecimal digits, as base64 (RFC 4648).
+std::string base64_of_hex(const std::string& digits) {
+  constexpr std::string_view letters =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t at = 0; at < digits.size(); at += 6) {  // three bytes are four letters
+    auto group = digits.substr(at, 6);
+    const auto bytes = group.size() / 2;
+    group.resize(6, '0');
+    const auto bits = std::stoul(group, nullptr, 16);
+    for (unsigned i = 0; i < 4; ++i)
+      text += i <= bytes ? letters[bits >> (18U - 6U * i) & 63U] : '=';
+  }
+  return text;
+}
 
 }  // namespace
 
@@ -107,12 +128,23 @@ std::string html_figure(const std::string& svg, const std::string& caption) {
          "</figcaption>\n</figure>\n";
 }
 
-std::string html_page(const std::string& title, const std::string& body) {
+std::string html_page(const std::string& title, const std::string& body, PageScript script) {
+  std::string policy = "default-src 'none'; style-src 'unsafe-inline'";
+  std::string styles = style;
+  std::string script_element;
+  if (script == PageScript::figures) {
+    styles += figure_style();
+    // As CDATA, that the page is well-formed XML as well.
+    const auto text = "//<![CDATA[\n" + figure_script() + "\n//]]>\n";
+    policy += "; script-src 'sha256-" + base64_of_hex(compute_sha256(text)) + "'";
+    script_element = "<script>" + text + "</script>\n";
+  }
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"{}\"/>\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
-      "<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
-      html_escape(title), style, body);
+      "<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n{}{}</body>\n</html>\n",
+      policy, html_escape(title), styles, body, script_element);
 }
 
 }  // namespace gyrator

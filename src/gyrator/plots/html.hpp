@@ -27,7 +27,14 @@ std::string html_table(const std::vector<std::string>& headings,
 /// A figure with its caption. `svg` goes in as it is, the caption escaped.
 std::string html_figure(const std::string& svg, const std::string& caption);
 
-/// The whole page around `body`, with the style inside: nothing is loaded from anywhere.
-std::string html_page(const std::string& title, const std::string& body);
+enum class PageScript {
+  none,
+  figures  ///< that of html_interactive_figure
+};
+
+/// The whole page around `body`, with style and script inside: nothing is loaded from anywhere,
+/// and the page forbids the browser to do so, or to run any other script (Content-Security-Policy).
+std::string html_page(const std::string& title, const std::string& body,
+                      PageScript script = PageScript::none);
 
 }  // namespace gyrator

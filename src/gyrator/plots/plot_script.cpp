@@ -1,15 +1,12 @@
 #include "gyrator/plots/plot_script.hpp"
 
-#include "gyrator/core/error.hpp"
+#include "gyrator/plots/curve_rows.hpp"
 #include "gyrator/plots/plot_axes.hpp"
 #include "gyrator/plots/plot_labels.hpp"
 #include "gyrator/plots/plot_page.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <iterator>
-#include <numbers>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -25,54 +22,6 @@ std::string named(const std::string& title) {
 }
 
 // ---- Data -------------------------------------------------------------------------------------
-
-struct Row {
-  bool shown = true;  // false: the line breaks here
-  double x = 0;
-  double y = 0;
-  double y_low = 0;
-};
-
-std::vector<Row> rows_of(const Curve& curve, const PanelView& view) {
-  std::vector<Row> rows;
-  rows.reserve(curve.x.size());
-  for (std::size_t i = 0; i < curve.x.size(); ++i) {
-    const double low = curve.style == CurveStyle::band ? curve.y_low[i] : curve.y[i];
-    const bool shown =
-        view.x.can_show(curve.x[i]) && view.y.can_show(curve.y[i]) && view.y.can_show(low);
-    rows.push_back({shown, curve.x[i], curve.y[i], low});
-  }
-  return rows;
-}
-
-/// Of neighbours that fall on the same column of pixels, keeps the first, lowest, highest and
-/// last: the picture is the same and its file does not grow with the run.
-std::vector<Row> thinned(const std::vector<Row>& rows, const PanelView& view, int columns) {
-  if (rows.size() <= thin_above) return rows;
-  const auto column_of = [&](const Row& row) {
-    return std::floor(std::clamp(view.x.fraction(row.x), -0.1, 1.1) * columns);
-  };
-  const auto by_height = [](const Row& a, const Row& b) { return a.y < b.y; };
-  std::vector<Row> kept;
-  for (auto from = rows.begin(); from != rows.end();) {
-    if (!from->shown) {
-      kept.push_back(*from++);
-      continue;
-    }
-    const auto to = std::find_if(from, rows.end(), [&](const Row& row) {
-      return !row.shown || column_of(row) != column_of(*from);
-    });
-    const auto [lowest, highest] = std::minmax_element(from, to, by_height);
-    auto corners = {from, std::min(lowest, highest), std::max(lowest, highest), std::prev(to)};
-    auto last = rows.end();
-    for (const auto at : corners) {
-      if (at != last) kept.push_back(*at);
-      last = at;
-    }
-    from = to;
-  }
-  return kept;
-}
 
 /// The rows as a gnuplot datablock; an empty line breaks the line. Empty where nothing is shown.
 std::string datablock(const std::vector<Row>& rows, const PanelView& view) {
@@ -137,15 +86,9 @@ std::string style_of(const Curve& curve, const AxisView& y) {
 // Opaque, so that lines on top can be told from it; without edges, that neighbours are one area.
 void add_boxes(Drawing& drawing, const Curve& curve, const PanelView& view) {
   std::string block;
-  for (std::size_t i = 0; i < curve.x.size(); ++i) {
-    const std::array corners{curve.x[i], curve.x_high[i]};
-    const std::array ends{curve.y_low[i], curve.y[i]};
-    if (!std::all_of(corners.begin(), corners.end(),
-                     [&](double x) { return view.x.can_show(x); }) ||
-        !std::all_of(ends.begin(), ends.end(), [&](double y) { return view.y.can_show(y); }))
-      continue;
-    const double low_x = view.x.scaled(corners[0]), high_x = view.x.scaled(corners[1]);
-    const double low_y = view.y.scaled(ends[0]), high_y = view.y.scaled(ends[1]);
+  for (const auto i : boxes_shown(curve, view)) {
+    const double low_x = view.x.scaled(curve.x[i]), high_x = view.x.scaled(curve.x_high[i]);
+    const double low_y = view.y.scaled(curve.y_low[i]), high_y = view.y.scaled(curve.y[i]);
     fmt::format_to(std::back_inserter(block), "{:.8g} {:.8g} {:.8g} {:.8g} {:.8g} {:.8g}\n",
                    (low_x + high_x) / 2, (low_y + high_y) / 2, low_x, high_x, low_y, high_y);
   }
@@ -158,42 +101,15 @@ void add_boxes(Drawing& drawing, const Curve& curve, const PanelView& view) {
 void add_curve(Drawing& drawing, const Curve& curve, const PanelView& view, int columns) {
   if (curve.style == CurveStyle::boxes) return add_boxes(drawing, curve, view);
   auto rows = rows_of(curve, view);
-  if (curve.style != CurveStyle::band) rows = thinned(rows, view, columns);
+  if (curve.style != CurveStyle::band) rows = thinned(rows, view, columns, thin_above);
   const auto block = datablock(rows, view);
   if (block.empty()) return;
   drawing.plots.push_back(fmt::format("{} {} {}", drawing.add_data(block), style_of(curve, view.y),
                                       named(curve.title)));
 }
 
-/// Corners of a polygon that looks round: finer where the view is a close-up of the rim.
-std::vector<double> circle_angles(const Circle& circle, const PanelView& view) {
-  constexpr int coarse = 240;
-  constexpr double step = 2 * std::numbers::pi / coarse;
-  const double chord = step * circle.radius;
-  const double x = 0.5 * (view.x.low + view.x.high);
-  const double y = 0.5 * (view.y.low + view.y.high);
-  const double reach = std::hypot(view.x.high - x, view.y.high - y);
-  const int parts = std::clamp(static_cast<int>(std::min(1e6, 40 * chord / reach)), 1, 1000);
-  std::vector<double> angles;
-  for (int i = 0; i < coarse; ++i) {
-    const double at_x = circle.centre_x + circle.radius * std::cos((i + 0.5) * step);
-    const double at_y = circle.centre_y + circle.radius * std::sin((i + 0.5) * step);
-    const bool near = std::hypot(at_x - x, at_y - y) < reach + chord;
-    for (int part = 0; part < (near ? parts : 1); ++part)
-      angles.push_back((i + static_cast<double>(part) / parts) * step);
-  }
-  angles.push_back(2 * std::numbers::pi);
-  return angles;
-}
-
 void add_circle(Drawing& drawing, const Circle& circle, const PanelView& view) {
-  std::vector<Row> rows;
-  for (const double angle : circle_angles(circle, view)) {
-    const double x = circle.centre_x + circle.radius * std::cos(angle);
-    const double y = circle.centre_y + circle.radius * std::sin(angle);
-    rows.push_back({view.x.can_show(x) && view.y.can_show(y), x, y, y});
-  }
-  const auto block = datablock(rows, view);
+  const auto block = datablock(rows_of(circle, view), view);
   if (block.empty()) return;
   const auto name = drawing.add_data(block);
   if (circle.filled)
@@ -246,19 +162,6 @@ std::string axis_settings(char name, const AxisView& view) {
   if (view.logarithmic)
     text += fmt::format("set logscale {0} 10\nset format {0} '10^{{%L}}'\nset m{0}tics 10\n", name);
   return text;
-}
-
-void check_lengths(const Panel& panel, const Curve& curve) {
-  const bool boxes = curve.style == CurveStyle::boxes;
-  const bool low_missing =
-      (boxes || curve.style == CurveStyle::band) && curve.y_low.size() != curve.x.size();
-  const bool high_missing = boxes && curve.x_high.size() != curve.x.size();
-  if (curve.x.size() == curve.y.size() && !low_missing && !high_missing) return;
-  throw Error(
-      ErrorCode::bad_input, "figure",
-      fmt::format("panel \"{}\", curve \"{}\": {} values of x, {} of y, {} of y_low: they "
-                  "must be as many",
-                  panel.title, curve.title, curve.x.size(), curve.y.size(), curve.y_low.size()));
 }
 
 std::string panel_script(const Panel& panel, const PanelPlace& place, const Page& page,

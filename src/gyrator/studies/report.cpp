@@ -4,13 +4,17 @@
 #include "gyrator/core/interrupt.hpp"
 #include "gyrator/documents/output_file.hpp"
 #include "gyrator/plots/html.hpp"
+#include "gyrator/plots/interactive_figure.hpp"
 #include "gyrator/studies/report_sections.hpp"
 #include "gyrator/studies/result_fields.hpp"
 #include "gyrator/studies/result_figures.hpp"
 #include "gyrator/studies/schematic.hpp"
 
 #include <algorithm>
+#include <filesystem>
+#include <optional>
 #include <set>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -46,58 +50,85 @@ json zwidth_of_same_model(const std::vector<json>& results, const json& passivit
   return nullptr;
 }
 
-std::string finding_html(const std::vector<json>& results, const std::vector<std::string>& names) {
+/// What the first passivity result whose criteria disagree shows.
+struct Finding {
+  std::string words;
+  std::optional<Figure> figure = {};
+  std::string caption = {};
+};
+
+Finding make_finding(const std::string& words, const json& passivity, const json& zwidth) {
+  Finding finding{words};
+  const bool run =
+      has(passivity, "counterexample") && has(passivity["counterexample"], "simulation");
+  if (!run && zwidth.is_null()) return finding;
+  finding.figure = finding_figure(passivity, zwidth);
+  if (!zwidth.is_null())
+    finding.caption =
+        "Largest stiffness over virtual damping by the rules; in the shaded region the textbook "
+        "calls passive what is not. ";
+  if (run)
+    finding.caption +=
+        "The run of the operator that shows it: the motion should die out and grows instead.";
+  return finding;
+}
+
+std::optional<Finding> find_finding(const std::vector<json>& results,
+                                    const std::vector<std::string>& names) {
   for (std::size_t i = 0; i < results.size(); ++i) {
     const auto& result = results[i];
     if (optional_text(result, "command") != "passivity") continue;
-    auto html = in_result(names[i], [&]() -> std::string {
+    auto finding = in_result(names[i], [&]() -> std::optional<Finding> {
       const auto words = finding_in_words(result);
       if (words.empty()) return {};
-      const json zwidth = zwidth_of_same_model(results, result);
-      std::string box =
-          "<section class=\"finding\">\n<h2>The finding</h2>\n" + html_paragraph(words);
-      const bool run = has(result, "counterexample") && has(result["counterexample"], "simulation");
-      if (run || !zwidth.is_null())
-        box += html_figure(
-            figure_as_svg(finding_figure(result, zwidth), "finding"),
-            std::string(zwidth.is_null()
-                            ? ""
-                            : "Largest stiffness over virtual damping by the rules; in "
-                              "the shaded region the textbook calls passive what is "
-                              "not. ") +
-                (run ? "The run of the operator that shows it: the motion should die out and "
-                       "grows instead."
-                     : ""));
-      return box + "</section>\n";
+      return make_finding(words, result, zwidth_of_same_model(results, result));
     });
-    if (!html.empty()) return html;
+    if (finding) return finding;
   }
   return {};
 }
 
+std::string finding_html(const std::vector<json>& results, const std::vector<std::string>& names) {
+  const auto finding = find_finding(results, names);
+  if (!finding) return {};
+  std::string box =
+      "<section class=\"finding\">\n<h2>The finding</h2>\n" + html_paragraph(finding->words);
+  if (finding->figure)
+    box += html_interactive_figure(*finding->figure, "finding", finding->caption);
+  return box + "</section>\n";
+}
+
 /// A result's model as a schematic; none where this program reads the model no longer (a result of
 /// another version, a file beside it that is gone).
-std::string device_html(const json& model, const std::string& name) {
+std::string draw_device(const json& model, const std::string& name) {
   try {
-    return html_figure(draw_schematic(parse_model(model, name)).svg,
-                       "The device: amplifier, circuits across the motor, motor, mechanics and "
-                       "operator from left to right; below, the computer that closes the loop.");
+    return draw_schematic(parse_model(model, name)).svg;
   } catch (const Error& error) {
     if (error.code() != ErrorCode::bad_input) throw;
     return {};
   }
 }
 
-/// Every model of the results, each drawn once.
-std::string devices_html(const std::vector<json>& results, const std::vector<std::string>& names) {
-  std::string html;
+/// The schematics of the results' models, each once.
+std::vector<std::string> draw_devices(const std::vector<json>& results,
+                                      const std::vector<std::string>& names) {
+  std::vector<std::string> drawings;
   std::vector<json> drawn;
   for (std::size_t i = 0; i < results.size(); ++i) {
     const json model = results[i].value("model", json());
     if (model.is_null() || std::find(drawn.begin(), drawn.end(), model) != drawn.end()) continue;
     drawn.push_back(model);
-    html += device_html(model, names[i]);
+    if (auto svg = draw_device(model, names[i]); !svg.empty()) drawings.push_back(std::move(svg));
   }
+  return drawings;
+}
+
+std::string devices_html(const std::vector<json>& results, const std::vector<std::string>& names) {
+  std::string html;
+  for (const auto& svg : draw_devices(results, names))
+    html += html_figure(svg,
+                        "The device: amplifier, circuits across the motor, motor, mechanics and "
+                        "operator from left to right; below, the computer that closes the loop.");
   return html;
 }
 
@@ -121,8 +152,7 @@ std::string section_html(const json& result, std::size_t index) {
   auto figure = result_figure(result);
   figure.title.clear();  // the heading says it
   if (!figure.panels.empty())
-    html +=
-        html_figure(figure_as_svg(figure, fmt::format("result_{}", index + 1)), section.caption);
+    html += html_interactive_figure(figure, fmt::format("result_{}", index + 1), section.caption);
   return html + "</section>\n";
 }
 
@@ -184,7 +214,7 @@ std::string report_as_html(const std::vector<json>& results,
     throw_if_interrupted("report");
     body += in_result(names[i], [&] { return section_html(results[i], i); });
   }
-  return html_page(title + " – gyrator", body + origin_html(results));
+  return html_page(title + " – gyrator", body + origin_html(results), PageScript::figures);
 }
 
 void write_report(const std::vector<json>& results, const std::string& path,
@@ -192,6 +222,35 @@ void write_report(const std::vector<json>& results, const std::string& path,
   OutputFile file(path);  // first: a name that cannot be written is told before the work
   file.stream() << report_as_html(results, names);
   file.commit();
+}
+
+std::vector<std::string> write_report_figures(const std::vector<json>& results,
+                                              const std::string& folder,
+                                              const std::vector<std::string>& names_given) {
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure) throw Error(ErrorCode::bad_input, folder, failure.message());
+  const auto names = complete_names(names_given, results.size());
+  std::vector<std::string> paths;
+  const auto path_of = [&](const std::string& name) {
+    paths.push_back((std::filesystem::path(folder) / (name + ".svg")).string());
+    return paths.back();
+  };
+  int device = 0;
+  for (const auto& svg : draw_devices(results, names)) {
+    ++device;
+    write_text_file(path_of(device == 1 ? "device" : fmt::format("device-{}", device)), svg);
+  }
+  if (const auto finding = find_finding(results, names); finding && finding->figure)
+    render_figure(*finding->figure, path_of("finding"));
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    throw_if_interrupted("report");
+    const auto figure = in_result(names[i], [&] { return result_figure(results[i]); });
+    if (!figure.panels.empty())
+      render_figure(figure,
+                    path_of(fmt::format("{}-{}", i + 1, optional_text(results[i], "command"))));
+  }
+  return paths;
 }
 
 }  // namespace gyrator

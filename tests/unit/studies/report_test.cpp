@@ -5,6 +5,7 @@
 #include "gyrator/studies/result_fields.hpp"
 #include "gyrator/studies/result_figures.hpp"
 
+#include <filesystem>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -29,9 +30,24 @@ std::vector<json> all_samples() {
           sample_tuning()};
 }
 
-/// What a reader sees: tags taken out.
-std::string shown_text(const std::string& html) {
+/// What a reader sees: scripts and tags taken out.
+std::string shown_text(std::string html) {
+  for (auto from = html.find("<script"); from != std::string::npos; from = html.find("<script"))
+    html.erase(from, html.find("</script>", from) + 9 - from);
   return std::regex_replace(html, std::regex("<[^>]*>"), " ");
+}
+
+std::size_t count_of(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+/// The page without its own script.
+std::string without_script(std::string html) {
+  const auto from = html.find("<script>");
+  if (from != std::string::npos) html.erase(from, html.find("</script>", from) - from);
+  return html;
 }
 
 const Curve* find_curve(const Panel& panel, const std::string& title) {
@@ -45,9 +61,11 @@ TEST(Report, IsOneWellFormedPageThatLoadsNothing) {
   std::istringstream stream(html);
   boost::property_tree::ptree tree;
   EXPECT_NO_THROW(boost::property_tree::read_xml(stream, tree));
-  EXPECT_EQ(html.find("<script"), std::string::npos);
-  EXPECT_EQ(html.find("<link"), std::string::npos);
-  EXPECT_EQ(html.find("src="), std::string::npos);
+  // The only scripts are the program's own and the figures' data.
+  EXPECT_EQ(count_of(html, "<script"), count_of(html, "<script type=\"application/json\"") + 1);
+  EXPECT_EQ(count_of(html, "<link"), 0U);
+  EXPECT_EQ(count_of(without_script(html), "src="), 0U);
+  EXPECT_NE(html.find("default-src 'none'"), std::string::npos);
   EXPECT_EQ(html.find("@import"), std::string::npos);
   // The only addresses are the names of XML vocabularies.
   static const std::regex address(R"(https?://[^"' ]*)");
@@ -135,7 +153,7 @@ TEST(Report, EscapesEveryTextOfTheUser) {
   results[1]["boundaries"][0]["criterion"] = nasty;
   results[2]["classification"] = nasty;
   const auto html = report_as_html(results);
-  EXPECT_EQ(html.find("<script"), std::string::npos);
+  EXPECT_EQ(html.find("<script>alert"), std::string::npos);
   EXPECT_NE(html.find("&lt;script"), std::string::npos);
   std::istringstream stream(html);
   boost::property_tree::ptree tree;
@@ -223,6 +241,30 @@ TEST(Report, IsWrittenWholeToItsFile) {
   write_report({sample_simulate()}, folder / "report.html");
   EXPECT_EQ(read_text(folder / "report.html"), report_as_html({sample_simulate()}));
   EXPECT_EQ(folder.count(), 1U);
+}
+
+TEST(Report, ItsFiguresAreWrittenAsSvgFilesByPlaceAndCommand) {
+  const ScratchFolder folder;
+  const auto into = folder / "figures";
+  const auto paths = write_report_figures({sample_passivity(), sample_zwidth()}, into);
+  std::vector<std::string> names;
+  for (const auto& path : paths) {
+    names.push_back(std::filesystem::path(path).filename().string());
+    EXPECT_NE(read_text(path).find("<svg"), std::string::npos) << path;
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"finding.svg", "1-passivity.svg", "2-zwidth.svg"}));
+}
+
+TEST(Report, AFolderForFiguresThatCannotBeMadeIsRefusedByName) {
+  const ScratchFolder folder;
+  write_report({sample_zwidth()}, folder / "page.html");
+  try {
+    write_report_figures({sample_zwidth()}, folder / "page.html");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::bad_input);
+    EXPECT_NE(std::string(error.what()).find("page.html"), std::string::npos) << error.what();
+  }
 }
 
 TEST(Report, SaysWhatEnvironmentAndWorkspaceComeTo) {

@@ -1,0 +1,20 @@
+# Writes a C++ source that carries two text files, in pieces that every compiler takes:
+#   cmake -DTEMPLATE=… -DSCRIPT=… -DSTYLE=… -DOUTPUT=… -P embed-texts.cmake
+function(read_pieces file result)
+  file(READ "${file}" text)
+  string(LENGTH "${text}" length)
+  set(lines "")
+  set(from 0)
+  while(from LESS length)
+    string(SUBSTRING "${text}" ${from} 8000 piece)
+    string(APPEND lines "  text += R\"~~~~(${piece})~~~~\";\n")
+    math(EXPR from "${from} + 8000")
+  endwhile()
+  set(${result} "${lines}" PARENT_SCOPE)
+endfunction()
+
+read_pieces("${SCRIPT}" SCRIPT_PIECES)
+read_pieces("${STYLE}" STYLE_PIECES)
+get_filename_component(SCRIPT_NAME "${SCRIPT}" NAME)
+get_filename_component(STYLE_NAME "${STYLE}" NAME)
+configure_file("${TEMPLATE}" "${OUTPUT}" @ONLY)
