@@ -1,7 +1,6 @@
 """backup, diff and restore against an amplifier of pymodbus, and what goes wrong on the way."""
 import fcntl
 import json
-import os
 import random
 import socket
 import stat
@@ -12,24 +11,16 @@ import unittest
 from pathlib import Path
 
 from peer import PROFILE, Peer
-from program import ProgramTest, ROOT, program, with_value
+from program import ROOT, DeviceTest, program, with_value
 
 
-class AmplifierTest(ProgramTest):
+class AmplifierTest(DeviceTest):
     """With a peer that serves the second profile, and journals kept in the scratch folder."""
-
-    def setUp(self):
-        super().setUp()
-        self.environment = {**os.environ, "XDG_STATE_HOME": str(self.folder / "state"),
-                            "XDG_RUNTIME_DIR": str(self.folder)}
 
     def peer(self, *options, **more):
         peer = Peer(*options, log=self.folder / "writes.jsonl", **more)
         self.addCleanup(peer.close)
         return peer
-
-    def run_program(self, *arguments, **more):
-        return super().run_program(*arguments, environment=self.environment, **more)
 
     def device(self, peer):
         return "--connect", peer.url, "--profile", "integer_drive"
@@ -225,6 +216,24 @@ class SettingsTest(AmplifierTest):
         self.assert_refused(answer, "damping_resistance (holding 0x00D4 (40213))", "wrote 16 ohm", "reads 10 ohm",
                             "safe state", code=4)
         self.assertEqual(self.run_program("diff", before, *self.device(peer)).code, 0)
+
+    def test_a_warning_that_nobody_reads_does_not_stand_in_the_way(self):
+        peer = self.peer()
+        before = self.backup(peer)
+        wanted = self.changed_backup(before, current_limit=[1500])
+        self.assertEqual(self.run_program("restore", wanted, *self.device(peer), "--apply").code, 0)
+        journal, = self.journals()  # as if it had been cut off
+        lines = journal.read_text().splitlines(keepends=True)
+        self.assertIn('"state":"changed"', lines.pop())
+        journal.write_text("".join(lines))
+        answer = self.run_program("restore", wanted, *self.device(peer))
+        self.assertEqual(answer.code, 0, answer)
+        answer = self.run_unheard("restore", before, *self.device(peer), "--apply")
+        self.assertEqual(answer.code, 0, answer)
+        self.assertEqual(self.run_program("diff", before, *self.device(peer)).code, 0)
+        wanted = self.changed_backup(before, current_limit=[1500])
+        answer = self.run_program("restore", wanted, *self.device(peer), "--apply")
+        self.assertIn("an earlier session did not end", answer.err)
 
     def test_a_serial_line_is_the_same(self):
         peer = self.peer(rtu=self.folder / "line")

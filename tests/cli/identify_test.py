@@ -1,28 +1,19 @@
 """identify against the twin, and against an amplifier of pymodbus with the second profile."""
 import json
-import os
 import signal
 import subprocess
 import time
 import unittest
 
 from peer import Peer
-from program import ProgramTest, load_example, program, with_value
+from program import DeviceTest, load_example, program, with_value
 from twin_test import Twin
 
 TRUTH = {"resistance": 1.5, "inductance": 0.5e-3, "torque_constant": 0.05, "inertia": 2e-5, "damping": 1e-4,
          "coulomb_friction": 1e-3, "bandwidth": 1200, "delay": 150e-6}
 
 
-class IdentifyTest(ProgramTest):
-
-    def setUp(self):
-        super().setUp()
-        self.environment = {**os.environ, "XDG_STATE_HOME": str(self.folder / "state"),
-                            "XDG_RUNTIME_DIR": str(self.folder)}
-
-    def run_program(self, *arguments, **more):
-        return super().run_program(*arguments, environment=self.environment, **more)
+class IdentifyTest(DeviceTest):
 
     def model(self, **values):
         """The example display with friction, a bandwidth, a delay and an encoder."""
@@ -165,16 +156,12 @@ class TwinIdentifyTest(IdentifyTest):
     def test_a_reader_that_goes_away_changes_nothing(self):
         twin = self.twin("--time-scale", "max")
         before = self.backup(twin.where[0], "before.json")
-        words = [program(), "identify", "--connect", twin.where[0], "--profile", "gyrator_twin", "--apply"]
         for broken, code in (("stderr", 0), ("stdout", 2)):
-            reader, writer = os.pipe()
-            os.close(reader)
-            streams = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, broken: writer}
-            done = subprocess.run(words, cwd=self.folder, env=self.environment, text=True, timeout=60, **streams)
-            os.close(writer)
-            self.assertEqual(done.returncode, code, done)
+            answer = self.run_unheard("identify", "--connect", twin.where[0], "--profile", "gyrator_twin", "--apply",
+                                      broken=broken)
+            self.assertEqual(answer.code, code, answer)
             if broken == "stdout":
-                self.assertIn("stdout: cannot be written", done.stderr)
+                self.assertIn("stdout: cannot be written", answer.err)
             self.assertEqual(self.backup(twin.where[0], "after.json"), before)
 
     def test_bad_input_names_the_option(self):

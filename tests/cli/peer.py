@@ -1,30 +1,21 @@
 """The amplifier of pymodbus (tests/support/peer_amplifier.py) as a process beside a test."""
-import functools
 import json
 import subprocess
 import sys
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from modbus_peers import pymodbus_python
 from program import ROOT
 
 PROFILE = ROOT / "profiles/integer_drive.json"
-
-
-@functools.cache
-def peer_python():
-    """An interpreter that has pymodbus: this one, or the system's."""
-    for python in (sys.executable, "/usr/bin/python3"):
-        done = subprocess.run([python, "-c", "import pymodbus.server"], capture_output=True, check=False)
-        if done.returncode == 0:
-            return python
-    raise RuntimeError("no Python with pymodbus (Debian: python3-pymodbus)")
 
 
 class Peer:
     """Serves the second profile until it is closed; `url` is for --connect."""
 
     def __init__(self, *options, profile=PROFILE, rtu=None, log=None):
-        words = [peer_python(), ROOT / "tests/support/peer_amplifier.py", profile, *options]
+        words = [pymodbus_python(), ROOT / "tests/support/peer_amplifier.py", profile, *options]
         words += ["--rtu", rtu] if rtu else []
         words += ["--log", log] if log else []
         self.log = log

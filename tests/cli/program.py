@@ -140,3 +140,33 @@ class ProgramTest(unittest.TestCase):
                 process.communicate()
         self.assertLess(took_s, within_s)
         return Answer(arguments, process.returncode, out.decode(), err.decode())
+
+
+class DeviceTest(ProgramTest):
+    """A test of commands that talk to a device, whose journals and locks stay in the scratch folder."""
+
+    def setUp(self):
+        super().setUp()
+        self.environment = {**os.environ, "XDG_STATE_HOME": str(self.folder / "state"),
+                            "XDG_RUNTIME_DIR": str(self.folder)}
+
+    def run_program(self, *arguments, **more):
+        return super().run_program(*arguments, environment=self.environment, **more)
+
+    def run_unheard(self, *arguments, broken="stderr", timeout=60):
+        """With a stderr or a stdout that nobody reads any more."""
+        reader, writer = os.pipe()
+        os.close(reader)
+        streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, broken: writer}
+        try:
+            done = subprocess.run([program(), *map(str, arguments)], cwd=self.folder, env=self.environment, text=True,
+                                  stdin=subprocess.DEVNULL, timeout=timeout, **streams)
+        finally:
+            os.close(writer)
+        return Answer(arguments, done.returncode, done.stdout or "", done.stderr or "")
+
+    def journals(self, command=None):
+        """Those of a command, or all, whose first line is whole: nothing is written to a device before."""
+        begun = [path for path in sorted(self.folder.glob("state/gyrator/*.jsonl")) if b"\n" in path.read_bytes()]
+        return [path for path in begun
+                if command is None or json.loads(path.read_text().splitlines()[0])["command"] == command]

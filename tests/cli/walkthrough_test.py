@@ -1,12 +1,11 @@
 """The README's walk through the bench, command by command as it stands there, on a free port."""
 import json
-import os
 import re
 import shlex
 import subprocess
 import unittest
 
-from program import EXAMPLES, ROOT, ProgramTest, program
+from program import EXAMPLES, ROOT, DeviceTest, program
 from twin_test import Twin
 
 
@@ -15,20 +14,19 @@ def commands():
     return [line.strip() for line in section.splitlines() if line.startswith("    gyrator ")]
 
 
-class WalkthroughTest(ProgramTest):
+class WalkthroughTest(DeviceTest):
 
     def test_every_command_does_what_the_readme_says(self):
         lines = commands()
         self.assertTrue(lines[0].startswith("gyrator twin ") and lines[0].endswith(" &"))
         (self.folder / "examples").symlink_to(EXAMPLES)
-        environment = {**os.environ, "XDG_STATE_HOME": str(self.folder / "state"), "XDG_RUNTIME_DIR": str(self.folder)}
         model, *options = shlex.split(lines[0].removesuffix(" &"))[2:]
         twin = Twin(*options, "--listen", "127.0.0.1:0", model=model, folder=self.folder)
         self.addCleanup(twin.__exit__)
         answers = {}
         for line in lines[1:]:
             words = shlex.split(line.replace("tcp://127.0.0.1:1502", twin.where[0]))
-            answer = self.run_program(*words[1:], environment=environment, timeout=60)
+            answer = self.run_program(*words[1:], timeout=60)
             with self.subTest(line=line):
                 self.assertEqual(answer.code, 1 if words[1] == "diff" else 0, answer)
             answers[words[1]] = answer
@@ -53,7 +51,7 @@ class WalkthroughTest(ProgramTest):
         for name in ("motor.svg", "tuned.svg"):
             self.assertIn("<svg", (self.folder / name).read_text())
         url = ["--connect", twin.where[0], "--profile", "gyrator_twin"]
-        self.assertEqual(self.run_program("diff", "before.json", *url, environment=environment).code, 0)
+        self.assertEqual(self.run_program("diff", "before.json", *url).code, 0)
 
 
 if __name__ == "__main__":

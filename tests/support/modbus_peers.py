@@ -23,7 +23,7 @@ def tool():
 def pymodbus_python():
     """A Python that has pymodbus: Debian's, where the tests run with another one."""
     for python in (sys.executable, "/usr/bin/python3"):
-        done = subprocess.run([python, "-c", "import pymodbus"], capture_output=True, timeout=PATIENCE_S)
+        done = subprocess.run([python, "-c", "import pymodbus.server"], capture_output=True, timeout=PATIENCE_S)
         if done.returncode == 0:
             return python
     raise RuntimeError("python3-pymodbus is not installed: cmake/setup-packages test")

@@ -24,8 +24,10 @@ std::string user_name() {
   return name != nullptr ? name : fmt::format("user {}", ::getuid());
 }
 
+// Where nobody reads stderr any more, that must not end what puts a device in order.
 void warn_on_stderr(const std::string& text) {
-  fmt::print(stderr, "gyrator: {}\n", text);
+  const std::string line = fmt::format("gyrator: {}\n", text);
+  std::fwrite(line.data(), 1, line.size(), stderr);
   std::fflush(stderr);
 }
 
@@ -239,7 +241,6 @@ SessionEnd AmplifierSession::abandon() noexcept {
 
 AmplifierSession::~AmplifierSession() {
   if (ended_ || !options_.port.apply || !journal_) return;
-  const bool wrote = port_->has_written();
   const SessionEnd end = abandon();
   try {
     if (end.state == DeviceState::unknown) {
@@ -251,7 +252,7 @@ AmplifierSession::~AmplifierSession() {
       options_.warn(
           fmt::format("the device is in its safe state; {}. This puts everything back: {}",
                       join(end.failed, "; "), describe_way_back()));
-    } else if (wrote) {
+    } else {
       options_.warn("the device is in its safe state, its settings as they were");
     }
   } catch (const std::exception&) {  // nobody is left to be told

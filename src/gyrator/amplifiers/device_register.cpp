@@ -79,6 +79,11 @@ void check_code(const DeviceRegister& place, double value) {
 
 }  // namespace
 
+bool overlaps(const DeviceRegister& place, RegisterTable table, int address, int count) {
+  return place.table == table && place.address < address + count &&
+         address < place.address + place.words();
+}
+
 std::optional<double> to_physical(const DeviceRegister& place, const RawValue& raw) {
   if (place.not_implemented && to_double(raw) == to_double(*place.not_implemented)) return {};
   const double number = to_double(raw);

@@ -50,6 +50,9 @@ struct DeviceRegister {
   std::string describe_place() const { return describe_address(table, address); }
 };
 
+/// Whether any of its words is among the `count` addresses of a table from `address` on.
+bool overlaps(const DeviceRegister& place, RegisterTable table, int address, int count);
+
 /// The value [SI]; none where the device says that it has none: the sentinel, or a float that is no
 /// number.
 std::optional<double> to_physical(const DeviceRegister& place, const RawValue& raw);

@@ -30,14 +30,14 @@ const std::array<bool, prbs_length>& prbs_bits() {
   return bits;
 }
 
-const char* unit_of(DriveMode mode) {
-  return mode == DriveMode::current ? "A" : "V";
-}
-
 }  // namespace
 
 std::string_view name_of(DriveMode mode) {
   return mode == DriveMode::current ? "current" : "voltage";
+}
+
+std::string_view unit_of(DriveMode mode) {
+  return mode == DriveMode::current ? "A" : "V";
 }
 
 std::string_view name_of(ExcitationKind kind) {
@@ -91,7 +91,7 @@ double find_peak(const Excitation& excitation) {
 
 std::string describe(const Excitation& excitation) {
   const auto& [kind, mode, a, o, f, f_end, d] = excitation;
-  const char* unit = unit_of(mode);
+  const std::string_view unit = unit_of(mode);
   switch (kind) {
     case ExcitationKind::dc:
       return fmt::format("dc of {:.4g} {} for {:.4g} s", o, unit, d);

@@ -11,6 +11,8 @@ namespace gyrator {
 /// [V].
 enum class DriveMode { current, voltage };
 std::string_view name_of(DriveMode mode);
+/// Of such a command: "A" or "V".
+std::string_view unit_of(DriveMode mode);
 
 enum class ExcitationKind { dc, step, sine, chirp, prbs };
 std::string_view name_of(ExcitationKind kind);
@@ -78,6 +80,12 @@ struct BenchLimits {
   double position_quantum = 0;  ///< of the capture [rad, m]; 0: unknown
   std::vector<DriveMode> modes;
   std::vector<ExcitationKind> kinds;
+};
+
+/// The value of a setting.
+struct Setting {
+  std::string name;  ///< well-known (docs/amplifiers.md)
+  double value = 0;  ///< SI; switches 0 or 1
 };
 
 /// The values that a setting may take: low, low + step … up to high; step 0: all between.

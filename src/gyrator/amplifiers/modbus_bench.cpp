@@ -37,10 +37,6 @@ const DeviceCapture& buffer_of(const DeviceProfile& profile) {
   return *profile.capture;
 }
 
-const char* unit_of(DriveMode mode) {
-  return mode == DriveMode::current ? "A" : "V";
-}
-
 std::vector<double>& samples_of(Capture& capture, CaptureSignal signal) {
   switch (signal) {
     case CaptureSignal::command:
@@ -207,6 +203,14 @@ void ModbusBench::check_request(const Excitation& excitation, const CaptureReque
     refuse(what, fmt::format("a capture from {:.6g} s on: cannot begin there", request.start));
 }
 
+void ModbusBench::set_mode(DriveMode mode) {
+  if (std::find(limits_.modes.begin(), limits_.modes.end(), mode) == limits_.modes.end())
+    refuse("drive_mode", fmt::format("the amplifier has no {} mode", name_of(mode)));
+  const DeviceRegister* place = port_.profile().find("drive_mode");
+  if (place == nullptr) return;  // of current only
+  port_.write(place->name, static_cast<double>(*find_code(*place, name_of(mode))));
+}
+
 void ModbusBench::set_up(const Excitation& excitation, const CaptureRequest& request) {
   const DeviceProfile& profile = port_.profile();
   const auto write_if = [&](const std::string& name, double value) {
@@ -215,8 +219,7 @@ void ModbusBench::set_up(const Excitation& excitation, const CaptureRequest& req
   const auto code = [&](const std::string& name, std::string_view word) {
     return static_cast<double>(*find_code(profile.at(name), word));
   };
-  if (has_setting("drive_mode"))
-    port_.write("drive_mode", code("drive_mode", name_of(excitation.mode)));
+  set_mode(excitation.mode);
   port_.write(excitation_.kind, code(excitation_.kind, name_of(excitation.kind)));
   // A constant command is its offset.
   const bool has_amplitude = excitation.kind != ExcitationKind::dc;

@@ -41,6 +41,9 @@ class ModbusBench final : public Bench {
   /// With the drive off, which it switches off if need be. Throws device for a register in
   /// persistent memory that has not this value already: AmplifierPort::write is for what is kept.
   void write_setting(std::string_view name, double value) override;
+  /// What a command is; with the drive off. Throws bad_input for a mode that the amplifier does not
+  /// have.
+  void set_mode(DriveMode mode);
 
  private:
   void read_limits();

@@ -134,6 +134,12 @@ std::unique_ptr<AmplifierSession> open_session(DeviceSetup setup) {
                                             std::move(setup.session));
 }
 
+nlohmann::json describe_statistics(const PortStatistics& statistics) {
+  return {{"written", statistics.written},
+          {"skipped", statistics.skipped},
+          {"recovered", statistics.recovered}};
+}
+
 nlohmann::json describe_session(const std::vector<SettingChange>& plan, bool applied,
                                 const SessionEnd& end) {
   nlohmann::json rows = nlohmann::json::array();

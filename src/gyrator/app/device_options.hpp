@@ -44,6 +44,9 @@ DeviceSetup make_device_setup(const DeviceOptions& options, const std::string& c
 /// Connects. Errors as of AmplifierSession.
 std::unique_ptr<AmplifierSession> open_session(DeviceSetup setup);
 
+/// What was written, as {written, skipped, recovered}: the key "statistics" of such a JSON.
+nlohmann::json describe_statistics(const PortStatistics& statistics);
+
 /// The keys that every such command's JSON has: plan, applied, state, journal.
 nlohmann::json describe_session(const std::vector<SettingChange>& plan, bool applied,
                                 const SessionEnd& end);

@@ -1,5 +1,6 @@
 // identify: the motor and the amplifier behind Modbus, from experiments, as a model file.
 #include "gyrator/amplifiers/modbus_bench.hpp"
+#include "gyrator/amplifiers/settings_guard.hpp"
 #include "gyrator/core/error.hpp"
 #include "gyrator/documents/csv.hpp"
 #include "gyrator/documents/json_text.hpp"
@@ -136,10 +137,7 @@ void run_experiments(const IdentifyOptions& options, const IdentifiedModelOption
   const SessionEnd end = session.restore();
   json result = make_identification_result(found, model.motion, model.name);
   result.update(describe_session({}, true, end));
-  const AmplifierPort& port = session.port();
-  result["statistics"] = {{"written", port.statistics().written},
-                          {"skipped", port.statistics().skipped},
-                          {"recovered", port.statistics().recovered}};
+  result["statistics"] = describe_statistics(session.port().statistics());
   if (!options.common.quiet) warn_of_unknown(result);
   if (!options.common.csv.empty()) write_sines(options.common.csv, result);
   CommonOptions common = options.common;

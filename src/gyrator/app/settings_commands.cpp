@@ -47,7 +47,7 @@ void print(const SettingsOptions& options, json result, const char* command,
 
 void warn_of_unreadable(const SettingsBackup& backup) {
   for (const std::string& each : backup.unreadable)
-    fmt::print(stderr, "gyrator: warning: could not be read: {}\n", each);
+    print_note(fmt::format("gyrator: warning: could not be read: {}\n", each));
 }
 
 // As changes from nothing, so that backups and differences look alike.
@@ -167,8 +167,7 @@ void run_restore(const SettingsOptions& options) {
   }
   if (!end.journal.empty()) text += "Journal: " + end.journal + "\n";
   json result = describe_session(plan, apply, end);
-  result["written"] = port.statistics().written;
-  result["skipped"] = port.statistics().skipped;
+  result["statistics"] = describe_statistics(port.statistics());
   print(options, std::move(result), "restore", text);
 }
 

@@ -1,5 +1,6 @@
 // tune: from a wanted wall to the amplifier's settings, raised in steps and measured at each.
 #include "gyrator/amplifiers/modbus_bench.hpp"
+#include "gyrator/amplifiers/settings_guard.hpp"
 #include "gyrator/core/error.hpp"
 #include "gyrator/documents/csv.hpp"
 #include "gyrator/documents/output_file.hpp"
@@ -144,19 +145,28 @@ std::vector<Setting> complete_settings(const TuningChoice& choice, const Bench& 
   std::vector<Setting> settings = choice.settings;
   if (choice.circuit == TuningCircuit::rc && bench.has_setting("damping_connected"))
     settings.push_back({"damping_connected", 1});
-  for (const std::string& name : damping_switches()) {
+  for (const std::string& name : find_disturbing_settings(bench)) {
     const bool is_set = std::any_of(settings.begin(), settings.end(),
                                     [&](const Setting& s) { return s.name == name; });
-    if (!is_set && bench.has_setting(name)) settings.push_back({name, 0});
+    if (!is_set) settings.push_back({name, 0});
   }
   return settings;
 }
 
-void set_mode(AmplifierPort& port, const Bench& bench, TuningCircuit circuit) {
-  if (!bench.has_setting("drive_mode")) return;
-  const DeviceRegister& place = port.profile().at("drive_mode");
-  if (const auto code = find_code(place, name_of(mode_of(circuit))))
-    port.write("drive_mode", static_cast<double>(*code));
+// What was measured is what is kept: another program, or the device itself, may have changed it
+// since.
+void check_untouched(AmplifierPort& port, const std::vector<Setting>& settings) {
+  for (const Setting& setting : settings) {
+    const DeviceRegister& place = port.profile().at(setting.name);
+    const double wanted = find_nearest_value(place, setting.value);
+    const std::optional<double> found = port.read(setting.name);
+    if (found == wanted) continue;
+    throw Error(ErrorCode::device, fmt::format("{} ({})", place.name, place.describe_place()),
+                fmt::format("reads {}, not the {} that was set and measured: something else has "
+                            "written to the device; nothing is kept",
+                            found ? describe_value(place, *found) : "no value",
+                            describe_value(place, wanted)));
+  }
 }
 
 // What was asked for by option and the amplifier cannot do.
@@ -181,7 +191,7 @@ json plan_tuning(AmplifierSession& session, ModbusBench& bench, const Model& mod
                            [&](std::string_view name) { return bench.setting_range(name); });
   });
   AmplifierPort& port = session.port();
-  set_mode(port, bench, choice.circuit);
+  bench.set_mode(mode_of(choice.circuit));
   for (const Setting& setting : complete_settings(choice, bench))
     port.write(setting.name, setting.value);
   json result = make_tuning_plan_result(model, tuning, choice);
@@ -199,10 +209,11 @@ json plan_tuning(AmplifierSession& session, ModbusBench& bench, const Model& mod
 }
 
 // Registers that the tuning was for stay; those of its experiments go back.
-SessionEnd keep_tuned(AmplifierSession& session, const ModbusBench& bench, TuningCircuit circuit,
+SessionEnd keep_tuned(AmplifierSession& session, ModbusBench& bench, const TuningChoice& choice,
                       bool persist) {
   AmplifierPort& port = session.port();
-  set_mode(port, bench, circuit);
+  bench.set_mode(mode_of(choice.circuit));
+  check_untouched(port, complete_settings(choice, bench));
   const SettingsBackup now = port.read_settings();
   SettingsBackup wanted = session.backup();
   std::vector<std::string> kept = tuned_settings();
@@ -226,13 +237,10 @@ json apply_tuning(AmplifierSession& session, ModbusBench& bench, const Model& mo
   AmplifierPort& port = session.port();
   const bool reached = run.outcome == TuningOutcome::reached;
   const SessionEnd end =
-      reached ? keep_tuned(session, bench, run.choice.circuit, options.device.persist)
-              : session.restore();
+      reached ? keep_tuned(session, bench, run.choice, options.device.persist) : session.restore();
   const auto changes = compare_settings(session.profile(), session.backup(), port.read_settings());
   result.update(describe_session(changes, true, end));
-  result["statistics"] = {{"written", port.statistics().written},
-                          {"skipped", port.statistics().skipped},
-                          {"recovered", port.statistics().recovered}};
+  result["statistics"] = describe_statistics(port.statistics());
   if (reached && !options.tuned_model.empty())
     write_text_file(options.tuned_model, result["tuned_model"].dump(2) + "\n");
   return result;

@@ -146,8 +146,8 @@ void run_twin(const Options& options) {
   end_cleanly_when_terminated();
   open_lines(options, server, wire);
   if (!options.quiet) {
-    fmt::print(stderr, "{} with the profile {}, unit {}; Ctrl-C ends it\n", model.name,
-               profile.name, server_options.unit);
+    print_note(fmt::format("{} with the profile {}, unit {}; Ctrl-C ends it\n", model.name,
+                           profile.name, server_options.unit));
   }
   constexpr double look_around = 0.05;  // [s]
   while (!terminated.load() && !interrupt_requested()) {
@@ -157,10 +157,10 @@ void run_twin(const Options& options) {
   acknowledge_interrupt();
   if (options.quiet) return;
   const ServerStatistics statistics = server.statistics();
-  fmt::print(stderr,
-             "stopped at {:.4f} s of the device: {} requests, {} of them refused; faults: {}\n",
-             amplifier.time(), statistics.requests, statistics.exceptions,
-             describe_faults(amplifier.faults()));
+  print_note(fmt::format(
+      "stopped at {:.4f} s of the device: {} requests, {} of them refused; faults: {}\n",
+      amplifier.time(), statistics.requests, statistics.exceptions,
+      describe_faults(amplifier.faults())));
 }
 
 void add_noise_options(CLI::App& command, Options& options) {

@@ -235,6 +235,12 @@ void check_wave(const Drive& drive, std::size_t i) {
 
 }  // namespace
 
+std::optional<double> find_bandwidth(const Amplifier& amplifier) {
+  if (const auto* current = std::get_if<CurrentAmplifier>(&amplifier)) return current->bandwidth_hz;
+  if (const auto* voltage = std::get_if<VoltageAmplifier>(&amplifier)) return voltage->bandwidth_hz;
+  return {};
+}
+
 void check_drive(const Drive& drive) {
   if (!drive.motor && !std::holds_alternative<IdealDrive>(drive.amplifier)) {
     throw Error(ErrorCode::bad_input, "amplifier",

@@ -72,6 +72,9 @@ inline constexpr double limiter_resistance = 1000;
 
 using Amplifier = std::variant<IdealDrive, CurrentAmplifier, VoltageAmplifier>;
 
+/// -3 dB frequency of an amplifier [Hz]; none: ideal.
+std::optional<double> find_bandwidth(const Amplifier& amplifier);
+
 struct Drive {
   std::optional<Motor> motor;  ///< required by every amplifier but IdealDrive
   Amplifier amplifier = IdealDrive{};

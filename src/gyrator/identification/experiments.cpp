@@ -8,17 +8,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace gyrator {
 
 namespace rules = experiment_rules;
 
 namespace {
-
-double to_radians(double frequency_hz) {
-  return 2 * std::numbers::pi * frequency_hz;
-}
 
 std::optional<Phasor> fit_signal(const Capture& capture, const std::vector<double>& signal,
                                  double frequency_hz, double noise_floor) {

@@ -1,62 +1,18 @@
 #include "gyrator/identification/identification.hpp"
 
+#include "gyrator/amplifiers/settings_guard.hpp"
 #include "gyrator/core/error.hpp"
 #include "gyrator/identification/experiments.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <exception>
 #include <numbers>
 
 #include <fmt/core.h>
 
 namespace gyrator {
 namespace {
-
-// Well-known names (docs/amplifiers.md) of what acts on the motor beside the command.
-constexpr std::array disturbing{"cancellation_resistance", "damping_connected", "back_emf_damping"};
-
-/// Switches off what disturbs, and puts it back.
-class QuietSettings {
- public:
-  explicit QuietSettings(Bench& bench) : bench_(bench) {
-    try {
-      for (const std::string& name : find_disturbing_settings(bench)) {
-        const double value = bench.read_setting(name);
-        if (value == 0) continue;
-        bench.write_setting(name, 0);
-        before_.emplace_back(name, value);
-      }
-    } catch (...) {
-      put_back_quietly();
-      throw;
-    }
-  }
-  QuietSettings(const QuietSettings&) = delete;
-  QuietSettings& operator=(const QuietSettings&) = delete;
-  ~QuietSettings() { put_back_quietly(); }
-
-  void put_back() {
-    while (!before_.empty()) {
-      bench_.write_setting(before_.back().first, before_.back().second);
-      before_.pop_back();
-    }
-  }
-
- private:
-  // After a failure the bench's own journal has what could not be written.
-  void put_back_quietly() noexcept {
-    try {
-      put_back();
-    } catch (const std::exception&) {
-      before_.clear();
-    }
-  }
-
-  Bench& bench_;
-  std::vector<std::pair<std::string, double>> before_;
-};
 
 constexpr double widest_share = 0.5;  // half the interval per value, of what counts as identified
 
@@ -194,20 +150,13 @@ bool is_slow(const MotionWindow& window, const Identification& found) {
   return window.frequency_hz <= slowest->frequency_hz;
 }
 
-std::vector<std::string> find_disturbing_settings(const Bench& bench) {
-  std::vector<std::string> names;
-  for (const char* name : disturbing)
-    if (bench.has_setting(name)) names.emplace_back(name);
-  return names;
-}
-
 Identification identify(Bench& bench, const IdentificationOptions& options,
                         const ExperimentListener& listener) {
   plan_identification(bench.limits(), options);  // refuses what cannot be
   Identification found;
   found.tick = bench.limits().shortest_period;
   found.position_quantum = bench.limits().position_quantum;
-  QuietSettings quiet(bench);
+  SettingsGuard quiet(bench);
   Experiments experiments(bench, options, listener, found);
   experiments.find_amplitude();
   experiments.sweep_sines();

@@ -78,13 +78,10 @@ using ExperimentListener = std::function<void(const Experiment&)>;
 std::vector<PlannedStep> plan_identification(const BenchLimits& limits,
                                              const IdentificationOptions& options);
 
-/// The settings that are switched off for it: cancellation, damping circuit, back-EMF feedback.
-std::vector<std::string> find_disturbing_settings(const Bench& bench);
-
 /// Moves the motor and finds what it is. Amplitudes begin at a fiftieth of the limit and grow until
 /// the signals stand a thousand standard deviations above their noise or the options' shares are
-/// reached. Settings that disturb are put back at the end, also after a failure. Throws what the
-/// bench does, and interrupted after Ctrl-C.
+/// reached. What acts on the motor beside the command is switched off meanwhile (SettingsGuard).
+/// Throws what the bench does, and interrupted after Ctrl-C.
 Identification identify(Bench& bench, const IdentificationOptions& options = {},
                         const ExperimentListener& listener = {});
 

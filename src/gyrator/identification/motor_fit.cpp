@@ -19,10 +19,6 @@ constexpr double least_steps = 2;
 // Rounding of a few steps is not white: up to this much larger in a sine than white noise.
 constexpr double rounding_excess = 3;
 
-double to_radians(double frequency_hz) {
-  return 2 * std::numbers::pi * frequency_hz;
-}
-
 Phasor find_model_velocity(const MotionFit& motion, const SineMeasurement& sine) {
   const double w = to_radians(sine.frequency_hz);
   const std::complex<double> moving =

@@ -1,9 +1,15 @@
 #pragma once
 
 #include <complex>
+#include <numbers>
 #include <optional>
 
 namespace gyrator {
+
+/// The angular frequency 2 pi f [rad/s] of a frequency f [Hz].
+constexpr double to_radians(double frequency_hz) {
+  return 2 * std::numbers::pi * frequency_hz;
+}
 
 /// A sine of one capture, with its standard deviation in real and imaginary part.
 struct Phasor {

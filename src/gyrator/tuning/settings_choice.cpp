@@ -121,12 +121,6 @@ double find_cancelled_resistance(const Drive& drive) {
   return 0;
 }
 
-std::optional<double> find_bandwidth(const Amplifier& amplifier) {
-  if (const auto* current = std::get_if<CurrentAmplifier>(&amplifier)) return current->bandwidth_hz;
-  if (const auto* voltage = std::get_if<VoltageAmplifier>(&amplifier)) return voltage->bandwidth_hz;
-  return {};
-}
-
 std::string_view name_of(TuningCircuit circuit) {
   return circuit == TuningCircuit::rc ? "rc" : "cancellation";
 }

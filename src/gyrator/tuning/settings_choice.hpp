@@ -31,11 +31,6 @@ struct TuningTarget {
   double most_cancellation = 0.85;
 };
 
-struct Setting {
-  std::string name;  ///< well-known (docs/amplifiers.md)
-  double value = 0;  ///< SI; switches 0 or 1
-};
-
 /// The values of the amplifier that make up a circuit, and the device that results.
 struct TuningChoice {
   TuningCircuit circuit = TuningCircuit::rc;
@@ -47,9 +42,6 @@ struct TuningChoice {
 
 /// R_c of a drive that cancels resistance [ohm]; 0 without.
 double find_cancelled_resistance(const Drive& drive);
-
-/// -3 dB frequency of an amplifier [Hz]; none: ideal.
-std::optional<double> find_bandwidth(const Amplifier& amplifier);
 
 /// The identified device behind the amplifier's settings: `identified` with its motor, mechanics
 /// and bandwidth, driven in the circuit's mode, with the damping that the settings stand for. Its

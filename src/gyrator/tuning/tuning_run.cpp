@@ -1,14 +1,14 @@
 #include "gyrator/tuning/tuning_run.hpp"
 
+#include "gyrator/amplifiers/settings_guard.hpp"
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/interrupt.hpp"
+#include "gyrator/tuning/drive_amplitude.hpp"
 #include "gyrator/tuning/step_images.hpp"
 #include "gyrator/tuning/tuning_checks.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
-#include <limits>
 #include <numbers>
 
 #include <fmt/core.h>
@@ -22,43 +22,7 @@ using std::numbers::pi;
 constexpr double kept_per_step = 0.6;
 // Steps of an RC branch, from its largest resistance down to the chosen one.
 constexpr int rc_steps = 3;
-// Of what the device bounds, so much may be met on the way from rest to a steady sine.
-constexpr double speed_share = 0.5;
-constexpr double voltage_share = 0.4;
 constexpr double push_duration = 0.05;  // [s]
-
-// Puts settings back unless told that they may stay.
-class SettingsGuard {
- public:
-  explicit SettingsGuard(Bench& bench) : bench_(bench) {
-    for (const std::string& name : tuned_settings())
-      if (bench.has_setting(name)) found_.push_back({name, bench.read_setting(name)});
-  }
-  ~SettingsGuard() {
-    if (kept_) return;
-    try {
-      put_back();
-    } catch (const std::exception&) {
-      // The link is gone: the session behind the bench says so, and its journal has the values.
-    }
-  }
-  SettingsGuard(const SettingsGuard&) = delete;
-  SettingsGuard& operator=(const SettingsGuard&) = delete;
-  SettingsGuard(SettingsGuard&&) = delete;
-  SettingsGuard& operator=(SettingsGuard&&) = delete;
-
-  // Switches first, so that a circuit is never closed on half of its values.
-  void put_back() {
-    for (const Setting& setting : found_) bench_.write_setting(setting.name, setting.value);
-    kept_ = true;
-  }
-  void keep() { kept_ = true; }
-
- private:
-  Bench& bench_;
-  std::vector<Setting> found_;
-  bool kept_ = false;
-};
 
 class Tuner {
  public:
@@ -71,9 +35,7 @@ class Tuner {
   }
 
   TuningRun run() {
-    SettingsGuard guard(bench_);
-    for (const std::string& name : damping_switches())
-      if (bench_.has_setting(name)) bench_.write_setting(name, 0);
+    SettingsGuard guard(bench_, tuned_settings());
     const auto end = [&](TuningOutcome outcome, std::string explanation) {
       run_.outcome = outcome;
       run_.explanation = std::move(explanation);
@@ -164,40 +126,6 @@ class Tuner {
     return options_.current > 0 ? options_.current : limits_.largest_current / 5;
   }
 
-  // So large that neither current nor voltage nor speed exceed what is allowed; a motor from rest
-  // comes to twice the speed of the steady sine.
-  double amplitude_at(double frequency_hz) const {
-    const Motor& motor = *present_.drive.motor;
-    const double K = motor.torque_constant;
-    const std::complex<double> s(0, 2 * pi * frequency_hz);
-    const std::complex<double> load = s * present_.mechanics.inertia + present_.mechanics.damping;
-    const std::complex<double> winding = motor.warm_resistance() + s * motor.inductance;
-    double amperes = largest_current();
-    amperes = std::min(amperes, voltage_share * limits_.largest_voltage /
-                                    (std::abs(winding) + 2 * K * K / std::abs(load)));
-    if (limits_.largest_velocity > 0)
-      amperes =
-          std::min(amperes, speed_share * limits_.largest_velocity * std::abs(load) / (2 * K));
-    if (mode_ == DriveMode::current) return amperes;
-    return amperes * std::abs(winding - find_cancelled_resistance(present_.drive) + K * K / load);
-  }
-
-  // A constant command that brings the motor to a part of what is allowed within its time.
-  double push_amplitude() const {
-    const Motor& motor = *present_.drive.motor;
-    const double K = motor.torque_constant;
-    double amperes = largest_current() / 2;
-    const double speed =
-        std::min(voltage_share * limits_.largest_voltage / K,
-                 limits_.largest_velocity > 0 ? speed_share * limits_.largest_velocity
-                                              : std::numeric_limits<double>::infinity());
-    if (mode_ == DriveMode::current)
-      return std::min(amperes, speed * present_.mechanics.inertia / (K * push_duration));
-    // The motor stands at first: its whole voltage drives its current then.
-    const double left = motor.warm_resistance() - find_cancelled_resistance(present_.drive);
-    return std::min(amperes * left, speed * K);
-  }
-
   std::vector<Tone> measure(const std::vector<double>& frequencies) {
     std::vector<Tone> tones;
     for (const double f : frequencies) tones.push_back(measure(f));
@@ -205,7 +133,10 @@ class Tuner {
   }
 
   Tone measure(double frequency_hz) {
-    const Tone tone = measure_tone(bench_, mode_, amplitude_at(frequency_hz), frequency_hz);
+    const Tone tone =
+        measure_tone(bench_, mode_,
+                     find_sine_amplitude(present_, limits_, mode_, largest_current(), frequency_hz),
+                     frequency_hz);
     time_ += tone.duration;
     return remove_step_images(tone, present_, limits_.shortest_period, run_.measurement.delay);
   }
@@ -344,8 +275,9 @@ class Tuner {
     Excitation push;
     push.kind = ExcitationKind::dc;
     push.mode = mode_;
-    push.offset = push_amplitude();
     push.duration = push_duration;
+    push.offset =
+        find_push_amplitude(present_, limits_, mode_, largest_current() / 2, push.duration);
     CaptureRequest request;
     request.start = push.duration;
     request.samples = std::min(2000, limits_.most_samples);
@@ -403,12 +335,6 @@ const std::vector<std::string>& tuned_settings() {
   static const std::vector<std::string> names{"damping_connected",   "cancellation_resistance",
                                               "back_emf_damping",    "damping_resistance",
                                               "damping_capacitance", "back_emf_resistance"};
-  return names;
-}
-
-const std::vector<std::string>& damping_switches() {
-  static const std::vector<std::string> names{"damping_connected", "cancellation_resistance",
-                                              "back_emf_damping"};
   return names;
 }
 

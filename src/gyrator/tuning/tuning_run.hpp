@@ -37,13 +37,23 @@ struct TuningStep {
   std::string remark;
 };
 
-/// How a tuning ended.
+/// How a tuning ended. Of all but `reached` the settings are back as they were found.
 enum class TuningOutcome {
-  reached,      ///< settings stand: the wall is passive by the measured response, or the share of
-                ///< the winding that was asked for is cancelled, whatever the verdict
-  not_passive,  ///< measured, and the wall is not passive: settings were put back
-  unreachable,  ///< no setting carries the wall: nothing was raised
-  stopped       ///< a step showed a sign of instability: settings were put back
+  /// The settings of TuningRun::choice stand. The 99 % bound of the measured response has the wall
+  /// passive; or, where a share of the winding was asked for, that much of it or the most that is
+  /// allowed is cancelled, every step was stable, and the verdict may be either.
+  reached,
+  /// Every step was stable and the whole response was measured, but its 99 % bound does not have
+  /// the wall passive: it is not, or the noise leaves it open. Not where a share was asked for.
+  not_passive,
+  /// By the model, with the winding as warm as measured, no setting carries the wall with its
+  /// margin: the bare drive was measured, and nothing was raised. Not where a share was asked for.
+  unreachable,
+  /// The bare drive is not the model's (find_contradiction), or at a step, also while the winding
+  /// was watched, motion or current did not fade after a push (find_instability), less of the
+  /// winding was left than it should (find_shortage) or the damping was not the model's
+  /// (find_deviation). TuningRun::explanation says which.
+  stopped
 };
 std::string_view name_of(TuningOutcome outcome);
 
@@ -58,11 +68,8 @@ struct TuningRun {
   Capture ring_down;  ///< after the last step
 };
 
-/// Settings that a tuning may change, in the order of switching off.
+/// Settings that a tuning may change: switches (find_disturbing_settings) and values.
 const std::vector<std::string>& tuned_settings();
-
-/// Of them those at whose zero no damping acts.
-const std::vector<std::string>& damping_switches();
 
 /// Switches all damping off, measures the bare drive and its winding, chooses settings for the
 /// model's wall with the winding as warm as it is, and raises them in steps, each measured before
@@ -70,8 +77,8 @@ const std::vector<std::string>& damping_switches();
 /// winding's resistance. The first sign of instability ends it. After the watch the whole response
 /// is measured and judged (judge_measured).
 ///
-/// Unless the target is reached the settings are put back as they were found, also when an
-/// exception leaves (device: link, fault or limit; interrupted; bad_input for a model or an
+/// Unless the target is reached the settings are put back as they were found (SettingsGuard), also
+/// when an exception leaves (device: link, fault or limit; interrupted; bad_input for a model or an
 /// amplifier that lacks what is needed).
 TuningRun tune(Bench& bench, const PassivityModel& identified, const TuningOptions& options);
 

@@ -11,11 +11,6 @@ namespace {
 
 constexpr double tick = SimulatedAmplifier::tick;
 
-bool overlaps(const DeviceRegister& place, RegisterTable table, int address, int count) {
-  return place.table == table && place.address < address + count &&
-         address < place.address + place.words();
-}
-
 // Of the drive_mode register: its codes are the profile's own.
 double from_mode(const DeviceRegister& place, double mode) {
   const auto code = find_code(place, name_of(mode == 1 ? DriveMode::voltage : DriveMode::current));

@@ -9,11 +9,6 @@
 namespace gyrator {
 namespace {
 
-bool covers(const DeviceRegister& place, RegisterTable table, int address, int count) {
-  return place.table == table && place.address < address + count &&
-         address < place.address + place.words();
-}
-
 // Of the drive_mode register: its codes are the profile's own.
 double to_mode(const DeviceRegister& place, double value) {
   return find_code_name(place, value) == name_of(DriveMode::voltage) ? 1 : 0;
@@ -96,7 +91,7 @@ std::optional<ModbusException> TwinBank::find_changes(RegisterTable table, int a
   bool is_part = false;
   for (std::size_t i = 0; i < profile_.registers.size(); ++i) {
     const DeviceRegister& place = profile_.registers[i];
-    if (!place.writable || !covers(place, table, address, count)) continue;
+    if (!place.writable || !overlaps(place, table, address, count)) continue;
     const int from = place.address - address;
     const int to = from + place.words();
     for (int w = std::max(from, 0); w < std::min(to, count); ++w)

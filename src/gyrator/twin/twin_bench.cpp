@@ -50,7 +50,7 @@ void TwinBench::check(const Excitation& excitation, const CaptureRequest& reques
   const bool by_current = excitation.mode == DriveMode::current;
   const double most = by_current ? known.largest_current : known.largest_voltage;
   if (find_peak(excitation) > most) {
-    const char* unit = by_current ? "A" : "V";
+    const std::string_view unit = unit_of(excitation.mode);
     throw Error(ErrorCode::bad_input, "excitation",
                 fmt::format("{}: reaches {:g} {}, the {} is {:g} {}", describe(excitation),
                             find_peak(excitation), unit,

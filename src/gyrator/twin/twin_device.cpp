@@ -19,15 +19,6 @@ constexpr double lowest_rail = 0.01;  // [V], where the limit is zero
   throw Error(ErrorCode::bad_input, place, message);
 }
 
-double bandwidth_of(const Amplifier& amplifier) {
-  std::optional<double> bandwidth;
-  if (const auto* current = std::get_if<CurrentAmplifier>(&amplifier))
-    bandwidth = current->bandwidth_hz;
-  if (const auto* voltage = std::get_if<VoltageAmplifier>(&amplifier))
-    bandwidth = voltage->bandwidth_hz;
-  return bandwidth.value_or(TwinDevice::default_bandwidth_hz);
-}
-
 double output_resistance_of(const Amplifier& amplifier) {
   const auto* voltage = std::get_if<VoltageAmplifier>(&amplifier);
   return voltage ? voltage->output_resistance : 0;
@@ -171,7 +162,8 @@ Device make_plant_device(const TwinDevice& twin, const TwinSettings& settings, d
   }
 
   const bool by_voltage = settings.enable && settings.drive_mode == DriveMode::voltage;
-  const double bandwidth = bandwidth_of(twin.device.drive.amplifier);
+  const double bandwidth =
+      find_bandwidth(twin.device.drive.amplifier).value_or(TwinDevice::default_bandwidth_hz);
   const double output_resistance = output_resistance_of(twin.device.drive.amplifier);
   bool cancels = false;
   if (settings.enable && settings.cancellation_resistance > 0) {

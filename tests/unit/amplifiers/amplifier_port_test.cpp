@@ -329,6 +329,17 @@ TEST(AmplifierPort, TheWatchdogIsFedWhileItWaits) {
   EXPECT_EQ(open.device.bank.get("watchdog"), 21845);
 }
 
+// Of a session that writes, with its journal in the folder; `said` has what a person is told.
+SessionOptions make_options(const DeviceProfile& profile, const ScratchFolder& folder,
+                            std::vector<std::string>& said) {
+  SessionOptions options;
+  options.port = applied;
+  options.link = quick(profile);
+  options.journal = folder / "journal";
+  options.warn = [&said](const std::string& text) { said.push_back(text); };
+  return options;
+}
+
 TEST(AmplifierSession, ADestructorPutsEverythingBackAndSaysSo) {
   ScratchFolder folder;
   ServedProfile device("gyrator_twin");
@@ -336,12 +347,8 @@ TEST(AmplifierSession, ADestructorPutsEverythingBackAndSaysSo) {
   device.bank.put("cancellation_resistance", 1.5);
   device.bank.put("damping_resistance", 12);
   const auto before = device.bank.content();
-  SessionOptions options;
-  options.port = applied;
-  options.link = quick(device.profile);
-  options.journal = folder / "journal";
   std::vector<std::string> said;
-  options.warn = [&](const std::string& text) { said.push_back(text); };
+  const SessionOptions options = make_options(device.profile, folder, said);
   {
     AmplifierSession session(device.profile, device.address(), options);
     session.port().write("current_limit", 5);
@@ -357,6 +364,20 @@ TEST(AmplifierSession, ADestructorPutsEverythingBackAndSaysSo) {
   EXPECT_EQ(journal.state, "safe");
   EXPECT_EQ(journal.written.front(), "current_limit");
   EXPECT_FALSE(is_unfinished_journal(folder / "journal"));
+}
+
+TEST(AmplifierSession, ALeaveBeforeTheFirstWriteSaysHowTheDeviceIsToo) {
+  ScratchFolder folder;
+  ServedProfile device("gyrator_twin");
+  const auto before = device.bank.content();
+  std::vector<std::string> said;
+  const SessionOptions options = make_options(device.profile, folder, said);
+  { const AmplifierSession session(device.profile, device.address(), options); }
+  auto after = device.bank.content();
+  after[{RegisterTable::holding, 40}] = 0;  // the watchdog
+  EXPECT_EQ(after, before);
+  ASSERT_EQ(said.size(), 1U);
+  expect_words(said[0], {"safe state", "as they were"});
 }
 
 TEST(AmplifierSession, ALostDeviceIsLoudAndItsJournalRestoresIt) {

@@ -147,6 +147,18 @@ TEST(DeviceRegister, ASentinelIsNoValue) {
                            RawValue(std::numeric_limits<double>::quiet_NaN())));
 }
 
+TEST(DeviceRegister, OverlapsTheAddressesOfItsTableThatHoldAWordOfIt) {
+  DeviceRegister place;
+  place.table = RegisterTable::holding;
+  place.type = RegisterType::f32;  // 20 and 21
+  place.address = 20;
+  EXPECT_FALSE(overlaps(place, RegisterTable::holding, 10, 10));
+  EXPECT_TRUE(overlaps(place, RegisterTable::holding, 10, 11));
+  EXPECT_TRUE(overlaps(place, RegisterTable::holding, 21, 1));
+  EXPECT_FALSE(overlaps(place, RegisterTable::holding, 22, 5));
+  EXPECT_FALSE(overlaps(place, RegisterTable::input, 20, 2));
+}
+
 TEST(DeviceRegister, ABitFieldLeavesTheOtherBits) {
   for (const RegisterType type : {RegisterType::u16, RegisterType::u32}) {
     for (const WordOrder order : orders) {

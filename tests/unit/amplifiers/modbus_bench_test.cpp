@@ -138,6 +138,23 @@ TEST(ModbusBench, AFaultEndsTheRunWithTheDriveOff) {
   EXPECT_EQ(open.device.bank.get("enable"), 0);
 }
 
+TEST(ModbusBench, AModeThatTheAmplifierDoesNotHaveIsRefused) {
+  OpenBench open("gyrator_twin");
+  const DeviceRegister& mode = open.device.profile.at("drive_mode");
+  open.bench.set_mode(DriveMode::voltage);
+  EXPECT_EQ(open.device.bank.get("drive_mode"),
+            static_cast<double>(find_code(mode, "voltage").value()));
+  open.bench.set_mode(DriveMode::current);
+  EXPECT_EQ(open.device.bank.get("drive_mode"),
+            static_cast<double>(find_code(mode, "current").value()));
+  std::erase_if(open.device.profile.registers,
+                [](const DeviceRegister& place) { return place.name == "drive_mode"; });
+  ModbusBench without(open.port);
+  without.set_mode(DriveMode::current);
+  EXPECT_EQ(refusal([&] { without.set_mode(DriveMode::voltage); }, ErrorCode::bad_input),
+            "drive_mode: the amplifier has no voltage mode");
+}
+
 // Refuses to be switched off so often.
 ServerHooks refuse_off(int times) {
   auto left = std::make_shared<std::atomic<int>>(times);

@@ -107,6 +107,37 @@ TEST(TuningRun, AWallThatNothingCarriesLeavesTheAmplifierAsItWas) {
   EXPECT_TRUE(equal(read_all(bench), before));
 }
 
+// Remembers what was written, in order.
+class RememberingBench : public TwinBench {
+ public:
+  using TwinBench::TwinBench;
+  void write_setting(std::string_view name, double value) override {
+    TwinBench::write_setting(name, value);
+    writes.emplace_back(name);
+  }
+  std::vector<std::string> writes;
+};
+
+TEST(TuningRun, ABranchThatWasConnectedIsClosedOnAllOfItsValues) {
+  const MotorDrive drive;
+  SimulatedAmplifier amplifier(make_twin(drive));
+  RememberingBench bench(amplifier);
+  amplifier.write("damping_resistance", 33);
+  amplifier.write("damping_connected", 1);
+  const auto before = read_all(bench);
+  TuningOptions options;
+  options.on_step = [&](const TuningStep&) { amplifier.write("temperature_limit", 250); };
+  EXPECT_THROW(tune(bench, make_identified(drive, 0.1, 4e-4), options), Error);
+  EXPECT_TRUE(equal(read_all(bench), before));
+  ASSERT_FALSE(bench.writes.empty());
+  EXPECT_EQ(bench.writes.front(), "damping_connected");  // off
+  const auto last_value =
+      std::find(bench.writes.rbegin(), bench.writes.rend(), "damping_resistance");
+  ASSERT_NE(last_value, bench.writes.rend());
+  EXPECT_EQ(std::count(bench.writes.rbegin(), last_value, "damping_connected"), 1);
+  EXPECT_EQ(bench.writes.back(), "damping_connected");
+}
+
 TEST(TuningRun, AModelOfAnotherMotorStopsItBeforeTheFirstStep) {
   const MotorDrive drive;
   for (const auto& [K, J, word] :
