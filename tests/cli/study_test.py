@@ -306,6 +306,28 @@ class RunTest(StudyTest):
         self.assertIn("period = 0.001", text)
         self.assertIn("period = 0.002", text)
 
+    def test_a_seed_is_the_models(self):
+        run = {"name": "hit", "command": "simulate", "model": "plant.json", "seed": 42}
+        self.write_study(dict(STUDY, runs=[run]))
+        self.study("run", "study.json", "-o", "out")
+        self.assertEqual(json.loads(self.read("out/hit.json"))["seed"], 42)
+
+    def test_parts_of_the_model_are_replaced_whole(self):
+        walls = [{"kind": "virtual_wall", "stiffness": "100 N/m", "damping": 0},
+                 {"kind": "virtual_wall", "stiffness": "200 N/m", "damping": "0.1 N.s/m"}]
+        run = {"name": "walls", "command": "passivity", "model": "plant.json", "vary": {"controller": walls},
+               "expect": [{"figure": "stiffness", "equals": [100, 200]}, {"figure": "virtual_damping", "equals": [0, 0.1]}]}
+        self.write_study(dict(STUDY, runs=[run]))
+        self.study("check", "study.json")
+
+    def test_a_run_that_goes_wrong_is_told_and_ends_with_its_code(self):
+        study = json.loads(json.dumps(STUDY))
+        study["runs"][1]["arguments"] = ["--nonsense"]
+        self.write_study(study)
+        answer = self.study("run", "study.json", "-o", "out", code=3)
+        self.assertIn("exit code of hit: exit code 2, expected 0", answer.err)
+        self.assertTrue((self.folder / "out/limit.0.json").exists())
+
     def test_sweeps_and_regression_studies_keep_their_options_apart(self):
         self.assert_refused(self.run_program("study", "run", "study.json", "-o", "out", "--analysis", "zwidth"),
                             "study.json", "is a regression study")

@@ -80,14 +80,15 @@ Baseline parse_baseline(const json& document, const std::string& file) {
   baseline.study = read["study"];
   check_object(read["runs"], file + ": /runs");
   for (const auto& [name, value] : read["runs"].items()) {
-    const std::string place = file + ": /runs/" + name;
+    const std::string place = fmt::format("{}: /runs/{}", file, name);
     const json run = read_at(value, run_spec(), place);
     BaselineRun& entry = baseline.runs[name];
     entry.provenance = run["provenance"];
     check_object(entry.provenance, place + "/provenance");
     check_object(run["figures"], place + "/figures");
     for (const auto& [figure_name, figure_value] : run["figures"].items()) {
-      const json figure = read_at(figure_value, figure_spec(), place + "/figures/" + figure_name);
+      const json figure =
+          read_at(figure_value, figure_spec(), fmt::format("{}/figures/{}", place, figure_name));
       entry.figures[figure_name] = {figure["value"], figure["unit"], figure["tolerance"]};
     }
   }

@@ -65,7 +65,7 @@ std::string write_suite(const std::vector<CheckRow>& rows, const std::string& fi
     if (row.outcome == RowOutcome::note) continue;  // no test
     ++tests;
     seconds += row.seconds;
-    cases += fmt::format("    <testcase classname=\"{}\" name=\"{}\" file=\"{}\" time=\"{:.3f}\"",
+    cases += fmt::format(R"(    <testcase classname="{}" name="{}" file="{}" time="{:.3f}")",
                          escape_xml(row.study + "." + row.run), escape_xml(row.figure),
                          escape_xml(file), row.seconds);
     if (row.outcome == RowOutcome::passed) {

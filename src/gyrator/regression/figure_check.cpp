@@ -19,12 +19,12 @@ std::string with_unit(const std::string& text, const std::string& unit) {
 }
 
 // As few digits as tell the two apart.
-std::string describe_beside(double value, double other) {
+std::string describe_beside(double number, double neighbour) {
   for (int digits = 6; digits < 17; ++digits) {
-    std::string text = fmt::format("{:.{}g}", value, digits);
-    if (value == other || text != fmt::format("{:.{}g}", other, digits)) return text;
+    std::string text = fmt::format("{:.{}g}", number, digits);
+    if (number == neighbour || text != fmt::format("{:.{}g}", neighbour, digits)) return text;
   }
-  return format_number(value);
+  return format_number(number);
 }
 
 std::string describe_change(double value, double reference) {

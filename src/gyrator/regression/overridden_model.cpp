@@ -37,7 +37,7 @@ const Member* find_format(const json& document) {
 // Netlists and recordings, wherever they are named; of a design's spec its model.
 void visit_files(json& value, const std::function<void(json&)>& visit) {
   if (!value.is_structured()) return;
-  for (auto& [key, inner] : value.items()) {
+  for (const auto& [key, inner] : value.items()) {
     if ((key == "file" || key == "model") && inner.is_string()) visit(inner);
     visit_files(inner, visit);
   }

@@ -145,14 +145,14 @@ Figure make_study_figure(const RegressionStudy& study, const StudyFigure& figure
 
 std::string write_study_page(const StudyAnswers& answers, const std::vector<CheckRow>& rows) {
   const RegressionStudy& study = *answers.study;
-  std::string body = html_paragraph(study.about);
+  std::string body = "<h1>" + html_escape(study.name) + "</h1>\n" + html_paragraph(study.about);
   for (std::size_t i = 0; i < study.figures.size(); ++i) {
     if (!can_draw(study.figures[i], answers)) continue;
     body += html_figure(figure_as_svg(make_study_figure(study, study.figures[i], answers),
                                       fmt::format("figure{}", i)),
                         study.figures[i].caption);
   }
-  return html_page(study.name, body + write_rows(rows));
+  return html_page(study.name, body + "<h2>Figures in numbers</h2>\n" + write_rows(rows));
 }
 
 std::vector<std::string> write_study_results(const StudyAnswers& answers,
