@@ -20,13 +20,14 @@ function inAxisUnits(curve, panel, numbers) {
   const scaled = (list, axis) =>
     list == null ? null : numbers[list].map((v) => (v == null ? null : v / 10 ** axis.exponent));
   const x = scaled(curve.x, panel.x);
+  const scatter = curve.style === "points"; // of one x there may be many
   return {
     ...curve,
     x,
     y: scaled(curve.y, panel.y),
     y_low: scaled(curve.y_low, panel.y),
     x_high: scaled(curve.x_high, panel.x),
-    sorted: x.every((value, i) => i === 0 || value >= x[i - 1]),
+    sorted: x.every((value, i) => i === 0 || (scatter ? value > x[i - 1] : value >= x[i - 1])),
   };
 }
 
@@ -58,6 +59,7 @@ function sampleText(panel, curve, i, topX) {
   const name = (axis, value) =>
     axis.names[Math.round(value) - 1] ?? prettyQuantity(inUnits(axis, value), axis.unit);
   const span = (axis, low, high) =>
+    axis.names[Math.round(0.5 * (low + high)) - 1] ??
     `${prettyNumber(inUnits(axis, low), 4)} … ${prettyQuantity(inUnits(axis, high), axis.unit)}`;
   if (curve.style === "boxes")
     return `${span(panel.x, curve.x[i], curve.x_high[i])}; ${span(panel.y, curve.y_low[i], curve.y[i])}`;
