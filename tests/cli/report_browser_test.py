@@ -360,6 +360,16 @@ class ReportInABrowser(unittest.TestCase):
         self.assertEqual(self.view(velocity)["x"], view["x"])
         self.assertEqual([self.view(panel) for panel in others], before)
 
+    def test_the_cursor_is_at_the_same_time_on_all_panels_of_the_run(self):
+        position, velocity, *_ = self.panels_of("simulate")
+        trace = self.results["simulate"]["trace"]
+        top, _ = self.point_at(position, trace["time_s"][200], 0)
+        readout = velocity.find_element("css selector", ".readout")
+        self.wait(lambda: readout.text == top, f"{readout.text}, not {top}")
+        i = min(range(len(trace["time_s"])), key=lambda j: abs(trace["time_s"][j] - number_in(top)))
+        self.assertAlmostEqual(number_in(velocity.find_element("css selector", ".u-value").text),
+                               trace["velocity"][i], delta=PRINTED * abs(trace["velocity"][i]))
+
     def test_a_disk_is_round_also_after_zooming(self):
         disk = self.panels_of("passivity")[2]
 

@@ -102,7 +102,6 @@ export class PanelPlot {
     this.readout = element("div", "readout", "\u00a0");
     const canvas = element("div", "canvas");
     this.node.append(head, canvas, this.readout);
-    this.canvas = canvas;
     this.u = new uPlot(this.options(), this.data(), canvas);
     this.node.plot = this.u;
     this.makeAccessible();
@@ -124,14 +123,13 @@ export class PanelPlot {
     const { width, height } = this.measured();
     if (width === 0 || (width === this.u.width && height === this.u.height)) return; // in print
     this.u.setSize({ width, height });
-    this.corrections = 0;
     showAgain(this);
   }
 
   /** New numbers at an axis may need more room and so change the frame, a few times at most. */
   keepAspect() {
-    if (hasAspect(this.u, this.panel) || ++this.corrections > 4) return;
-    queueMicrotask(() => showAgain(this));
+    if (hasAspect(this.u, this.panel)) this.corrections = 0;
+    else if (++this.corrections <= 4) queueMicrotask(() => showAgain(this));
   }
 
   options() {
