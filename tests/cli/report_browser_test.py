@@ -51,6 +51,8 @@ def make_results(folder):
         "simulate": ["simulate", "model.json"],
         "impedance": ["impedance", "model.json", "--points", "100"],
         "compare": ["compare", first, second, "--points", "12"],
+        "stability": ["stability-map", EXAMPLES / "stability_plane.json", "--points", "6"],
+        "tolerance": ["tolerance", EXAMPLES / "rc_display_tolerance.json", "--samples", "20"],
     }
     results = {}
     for name, words in commands.items():
@@ -303,6 +305,30 @@ class ReportInABrowser(unittest.TestCase):
                 seen.add(outcome)
         self.assertGreater(len(seen), 1)
 
+    def test_of_points_in_the_plane_only_the_one_at_the_pointer_answers(self):
+        panel = self.panels_of("stability")[0]
+        result = self.results["stability"]
+        names = {"passive": "comes to rest", "locally_stable": "rests after a small kick only",
+                 "limit_cycle": "limit cycle", "unstable": "unstable"}
+        seen = set()
+        for row, column in ((0, 0), (0, 5), (2, 3), (5, 4), (4, 0)):  # points are 100 pixels apart
+            name = names[result["region"][row][column]]
+            _, said = self.point_at(panel, result["beta"][column], result["sigma"][row])
+            self.assertEqual({text for text in names.values() if said.get(text)}, {name})
+            self.assertAlmostEqual(number_in(said[name]), result["sigma"][row], delta=PRINTED)
+            seen.add(name)
+        self.assertGreater(len(seen), 1)
+
+    def test_a_bar_says_its_part_and_where_it_ends(self):
+        panel = self.panels_of("tolerance")[1]
+        parts = self.results["tolerance"]["parts"]  # the strongest on top
+        nominal = self.results["tolerance"]["nominal"]["max_stiffness"]
+        for i in (0, 1):
+            low = parts[i]["max_stiffness_at_low"]
+            top, said = self.point_at(panel, low + 0.25 * (nominal - low), len(parts) - i)
+            self.assertEqual(said, {"at the low end": parts[i]["name"], "at the high end": ""})
+            self.assertAlmostEqual(number_in(top.removeprefix("K ")), low, delta=PRINTED * low)
+
     # ---- view
 
     def test_a_drag_shows_the_dragged_part_and_a_double_click_all_of_it(self):
@@ -333,6 +359,16 @@ class ReportInABrowser(unittest.TestCase):
         self.assertEqual(view["y"], height)
         self.assertEqual(self.view(velocity)["x"], view["x"])
         self.assertEqual([self.view(panel) for panel in others], before)
+
+    def test_the_cursor_is_at_the_same_time_on_all_panels_of_the_run(self):
+        position, velocity, *_ = self.panels_of("simulate")
+        trace = self.results["simulate"]["trace"]
+        top, _ = self.point_at(position, trace["time_s"][200], 0)
+        readout = velocity.find_element("css selector", ".readout")
+        self.wait(lambda: readout.text == top, f"{readout.text}, not {top}")
+        i = min(range(len(trace["time_s"])), key=lambda j: abs(trace["time_s"][j] - number_in(top)))
+        self.assertAlmostEqual(number_in(velocity.find_element("css selector", ".u-value").text),
+                               trace["velocity"][i], delta=PRINTED * abs(trace["velocity"][i]))
 
     def test_a_disk_is_round_also_after_zooming(self):
         disk = self.panels_of("passivity")[2]

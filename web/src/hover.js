@@ -29,7 +29,7 @@ function nearestAlongX(u, curve, left) {
 
 function nearestInPlane(u, curve, left, top) {
   let best = null;
-  let least = 1.5 * within;
+  let least = within;
   curve.x.forEach((x, i) => {
     if (curve.y[i] == null) return;
     const far = Math.hypot(u.valToPos(x, "x") - left, u.valToPos(curve.y[i], "y") - top);
@@ -47,9 +47,24 @@ function boxAround(u, curve, left, top) {
   return at < 0 ? null : at;
 }
 
+/** Of a band that goes back in x, such as bars one under the other: the nearer end of the piece around the pointer. */
+function bandEndAround(u, curve, left, top) {
+  const x = u.posToVal(left, "x");
+  const y = u.posToVal(top, "y");
+  for (let i = 0; i + 1 < curve.x.length; ++i) {
+    if (curve.y[i] == null || curve.y[i + 1] == null) continue;
+    const share = (x - curve.x[i]) / (curve.x[i + 1] - curve.x[i]);
+    const between = (column) => column[i] + share * (column[i + 1] - column[i]);
+    if (share >= 0 && share <= 1 && between(curve.y_low) <= y && y <= between(curve.y))
+      return share < 0.5 ? i : i + 1;
+  }
+  return null;
+}
+
 /** Index of the curve's sample that the pointer at a place [CSS pixels] means, or null. */
 export function sampleAt(u, curve, left, top) {
   if (curve.style === "disk" || curve.style === "circle") return null;
   if (curve.style === "boxes") return boxAround(u, curve, left, top);
-  return curve.sorted ? nearestAlongX(u, curve, left) : nearestInPlane(u, curve, left, top);
+  if (curve.sorted) return nearestAlongX(u, curve, left);
+  return (curve.style === "band" ? bandEndAround : nearestInPlane)(u, curve, left, top);
 }

@@ -20,13 +20,14 @@ function inAxisUnits(curve, panel, numbers) {
   const scaled = (list, axis) =>
     list == null ? null : numbers[list].map((v) => (v == null ? null : v / 10 ** axis.exponent));
   const x = scaled(curve.x, panel.x);
+  const scatter = curve.style === "points"; // of one x there may be many
   return {
     ...curve,
     x,
     y: scaled(curve.y, panel.y),
     y_low: scaled(curve.y_low, panel.y),
     x_high: scaled(curve.x_high, panel.x),
-    sorted: x.every((value, i) => i === 0 || value >= x[i - 1]),
+    sorted: x.every((value, i) => i === 0 || (scatter ? value > x[i - 1] : value >= x[i - 1])),
   };
 }
 
@@ -58,6 +59,7 @@ function sampleText(panel, curve, i, topX) {
   const name = (axis, value) =>
     axis.names[Math.round(value) - 1] ?? prettyQuantity(inUnits(axis, value), axis.unit);
   const span = (axis, low, high) =>
+    axis.names[Math.round(0.5 * (low + high)) - 1] ??
     `${prettyNumber(inUnits(axis, low), 4)} … ${prettyQuantity(inUnits(axis, high), axis.unit)}`;
   if (curve.style === "boxes")
     return `${span(panel.x, curve.x[i], curve.x_high[i])}; ${span(panel.y, curve.y_low[i], curve.y[i])}`;
@@ -100,7 +102,6 @@ export class PanelPlot {
     this.readout = element("div", "readout", "\u00a0");
     const canvas = element("div", "canvas");
     this.node.append(head, canvas, this.readout);
-    this.canvas = canvas;
     this.u = new uPlot(this.options(), this.data(), canvas);
     this.node.plot = this.u;
     this.makeAccessible();
@@ -122,14 +123,13 @@ export class PanelPlot {
     const { width, height } = this.measured();
     if (width === 0 || (width === this.u.width && height === this.u.height)) return; // in print
     this.u.setSize({ width, height });
-    this.corrections = 0;
     showAgain(this);
   }
 
   /** New numbers at an axis may need more room and so change the frame, a few times at most. */
   keepAspect() {
-    if (hasAspect(this.u, this.panel) || ++this.corrections > 4) return;
-    queueMicrotask(() => showAgain(this));
+    if (hasAspect(this.u, this.panel)) this.corrections = 0;
+    else if (++this.corrections <= 4) queueMicrotask(() => showAgain(this));
   }
 
   options() {
