@@ -305,6 +305,16 @@ class ReportInABrowser(unittest.TestCase):
                 seen.add(outcome)
         self.assertGreater(len(seen), 1)
 
+    def test_shading_says_that_it_is_there_and_nothing_beside_it(self):
+        panel = self.panels_of("passivity")[0]
+        over_frequency = self.results["passivity"]["damping_over_frequency"]
+        exact = over_frequency["exact"]
+        for wanted, here in ((2, "here"), (200, "")):
+            i = min(range(len(exact)), key=lambda j, f=wanted: abs(over_frequency["frequency_hz"][j] - f))
+            self.assertEqual(exact[i] < 0, bool(here))
+            _, said = self.point_at(panel, over_frequency["frequency_hz"][i], 0)
+            self.assertEqual(said["fails here (exact)"], here)
+
     def test_of_points_in_the_plane_only_the_one_at_the_pointer_answers(self):
         panel = self.panels_of("stability")[0]
         result = self.results["stability"]

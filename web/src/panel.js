@@ -64,8 +64,9 @@ function sampleText(panel, curve, i, topX) {
   if (curve.style === "boxes")
     return `${span(panel.x, curve.x[i], curve.x_high[i])}; ${span(panel.y, curve.y_low[i], curve.y[i])}`;
   // A band from edge to edge only marks where something holds.
-  const marks = curve.style === "band" && curve.y_low[i] <= panel.y.low && curve.y[i] >= panel.y.high;
-  if (marks) return "here";
+  const { low, high } = panel.y;
+  const reaches = (end, edge) => Math.abs(end - edge) < 1e-5 * (high - low);
+  if (curve.style === "band" && reaches(curve.y_low[i], low) && reaches(curve.y[i], high)) return "here";
   const y =
     curve.style === "band" ? span(panel.y, curve.y_low[i], curve.y[i]) : name(panel.y, curve.y[i]);
   return curve.x[i] === topX ? y : `${y} at ${name(panel.x, curve.x[i])}`;
@@ -155,7 +156,12 @@ export class PanelPlot {
       legend: { live: true, markers: legendMarkers(panel) },
       cursor: {
         drag: { x: true, y: true, uni: 30, dist: 5, setScale: false },
-        points: { size: 8, width: 1.5, stroke: (u, i) => panel.curves[i - 1].colour, fill: () => "#ffffff" },
+        points: {
+          size: (u, i) => (["band", "boxes"].includes(panel.curves[i - 1].style) ? 0 : 8), // no ring at an edge
+          width: (u, i, size) => (size > 0 ? 1.5 : 0),
+          stroke: (u, i) => panel.curves[i - 1].colour,
+          fill: () => "#ffffff",
+        },
         sync: {
           key: this.group,
           scales: ["x", null],

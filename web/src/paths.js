@@ -144,14 +144,15 @@ function boxesPath(curve) {
 
 /** uPlot's options for how a curve of the panel is drawn. */
 export function curveLook(curve, yAxis) {
+  const dashes = (...lengths) => lengths.map((length) => length * devicePixelRatio);
   const line = { stroke: curve.colour, width: 2, fill: null };
   const filled = { stroke: null, width: 0, fill: transparent(curve.colour, 0.18) };
   const straight = curve.sorted ? uPlot.paths.linear() : freeLinePath(curve);
   switch (curve.style) {
     case "dashed":
-      return { ...line, dash: [8, 5], paths: straight };
+      return { ...line, dash: dashes(8, 5), paths: straight };
     case "dotted":
-      return { ...line, dash: [2, 4], paths: straight };
+      return { ...line, dash: dashes(2, 4), paths: straight };
     case "steps":
       return { ...line, width: 1.5, paths: uPlot.paths.stepped({ align: 1 }) };
     case "points":
