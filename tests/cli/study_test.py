@@ -2,7 +2,6 @@
 import json
 import os
 import pty
-import select
 import shutil
 import subprocess
 import time
@@ -385,6 +384,30 @@ class InterruptTest(StudyTest):
 
     def processes(self):
         return subprocess.run(["ps", "-eo", "args"], capture_output=True).stdout if shutil.which("ps") else b""
+
+
+class ThreadsTest(StudyTest):
+
+    def count_threads(self, limit):
+        process = subprocess.Popen([program(), "tolerance", EXAMPLES / "rc_display_tolerance.json", "--quiet"],
+                                   cwd=self.folder, env=NEITHER_CI | {"GYRATOR_THREADS": str(limit)},
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        most = 0
+        end = time.monotonic() + (2 if limit == 1 else PATIENCE_S)
+        while most < 2 and process.poll() is None and time.monotonic() < end:
+            try:
+                most = max(most, len(os.listdir(f"/proc/{process.pid}/task")))
+            except FileNotFoundError:
+                break
+            time.sleep(0.02)
+        process.kill()
+        process.wait()
+        return most
+
+    @unittest.skipUnless(os.path.exists("/proc/self/task") and (os.cpu_count() or 1) > 1, "needs /proc and two cores")
+    def test_the_environment_limits_the_threads_of_a_child(self):
+        self.assertEqual(self.count_threads(1), 1)
+        self.assertEqual(self.count_threads(2), 2)
 
 
 class ShippedTest(StudyTest):

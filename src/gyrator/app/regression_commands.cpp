@@ -96,6 +96,7 @@ void check(const CheckOptions& options, int& exit_code) {
   const RegressionRequest& request = options.request;
   const auto studies = load_studies(request.files);
   std::vector<NamedFile> inputs;
+  inputs.reserve(studies.size());
   for (const RegressionStudy& study : studies) inputs.push_back({"the study", study.file});
   check_files(inputs, {{"--junit", options.junit}});
   const auto answers = run_studies(studies, make_options(request));

@@ -98,7 +98,7 @@ PublishedValue read_published(const json& given, const std::string& unit,
     refuse(place + "/value", "a number, or a list of numbers for a varied run, is expected");
   PublishedValue published{value, read_tolerance(given, unit, place), given["source"]};
   if (published.tolerance.absolute == 0 && published.tolerance.relative == 0)
-    refuse(place, "needs \"absolute\" or \"relative\": how near the published value is to be");
+    refuse(place, R"(needs "absolute" or "relative": how near the published value is to be)");
   return published;
 }
 
@@ -149,7 +149,7 @@ TraceExpectation read_trace(const json& given, const std::string& place) {
            "at least one column with its tolerance is expected, such as "
            "{\"position\": {\"absolute\": \"1e-6 rad\"}}");
   for (const auto& [name, value] : columns.items()) {
-    const std::string at = place + "/columns/" + name;
+    const std::string at = fmt::format("{}/columns/{}", place, name);
     json read;
     try {
       read = read_document(value, column_spec, "");
@@ -159,7 +159,7 @@ TraceExpectation read_trace(const json& given, const std::string& place) {
     TubeColumn column{name, read_absolute(read["absolute"], "", at + "/absolute"),
                       read["relative"]};
     if (column.absolute == 0 && column.relative == 0)
-      refuse(at, "needs \"absolute\" or \"relative\": how wide the tube is");
+      refuse(at, R"(needs "absolute" or "relative": how wide the tube is)");
     trace.columns.push_back(std::move(column));
   }
   return trace;
@@ -173,13 +173,13 @@ std::vector<VariedValue> read_vary(const json& given, const std::string& place) 
            "paths with lists of values are expected, such as "
            "{\"sampling.delay\": [\"50 ms\", \"100 ms\"]}");
   for (const auto& [path, values] : given.items()) {
+    const std::string at = fmt::format("{}/{}", place, path);
     if (!values.is_array() || values.empty())
-      refuse(place + "/" + path, "a list of at least one value is expected");
+      refuse(at, "a list of at least one value is expected");
     if (!vary.empty() && vary.front().values.size() != values.size()) {
-      refuse(place + "/" + path,
-             fmt::format("has {} and '{}' {}: paths vary in lockstep, value by value",
-                         describe_count(values.size(), "value"), vary.front().path,
-                         vary.front().values.size()));
+      refuse(at, fmt::format("has {} and '{}' {}: paths vary in lockstep, value by value",
+                             describe_count(values.size(), "value"), vary.front().path,
+                             vary.front().values.size()));
     }
     vary.push_back({path, values.get<std::vector<json>>()});
   }
@@ -302,7 +302,7 @@ RegressionStudy load_regression_study(const std::string& path) {
   if (!is_regression_study(document)) {
     throw Error(
         ErrorCode::bad_input, path,
-        fmt::format("is no regression study: one says \"schema\": \"{}\"", regression_schema_name));
+        fmt::format(R"(is no regression study: one says "schema": "{}")", regression_schema_name));
   }
   return parse_regression_study(document, path);
 }

@@ -122,7 +122,7 @@ class Runner {
     return study.file;
   }
 
-  RunAnswer lay_out(const RegressionStudy& study, const RegressionRun& run) const {
+  static RunAnswer lay_out(const RegressionStudy& study, const RegressionRun& run) {
     RunAnswer answer;
     answer.run = &run;
     try {
@@ -161,9 +161,10 @@ class Runner {
                                              const std::string& place) {
     std::vector<ValueToSet> values;
     for (const auto& [path, value] : run.set.items())
-      values.push_back({path, value, place + "/set/" + path});
+      values.push_back({path, value, fmt::format("{}/set/{}", place, path)});
     for (const VariedValue& varied : run.vary)
-      values.push_back({varied.path, varied.values[point], place + "/vary/" + varied.path});
+      values.push_back(
+          {varied.path, varied.values[point], fmt::format("{}/vary/{}", place, varied.path)});
     if (run.seed && run.command != "tolerance") {
       values.push_back(
           {run.command == "design" ? "seed" : "simulation.seed", *run.seed, place + "/seed"});
