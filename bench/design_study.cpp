@@ -37,7 +37,7 @@ DesignMerit try_all(const DesignProblem& problem, std::size_t side) {
   DesignMerit best{false, -HUGE_VAL};
   std::mutex guard;
   const auto value = [&](std::size_t variable, std::size_t i) {
-    const auto [low, high] = problem.ranges()[variable];
+    const auto [low, high] = problem.option().values[variable].range;
     return low * std::pow(high / low, static_cast<double>(i) / static_cast<double>(side - 1));
   };
   run_parallel(side * side, 0, [&](std::size_t i) {
@@ -59,9 +59,9 @@ int run(std::size_t problems, std::size_t side) {
              "design s", "lattice s");
   for (std::size_t i = 0; i < problems; ++i) {
     const DesignSpec spec = make_problem(i);
-    const DesignProblem problem(spec, *spec.topologies.front());
+    const DesignProblem problem(spec, spec.options.front());
     auto start = std::chrono::steady_clock::now();
-    const DesignMerit found = search_topology(problem).best.merit;
+    const DesignMerit found = search_option(problem).best.merit;
     const double design_s = seconds_since(start);
     start = std::chrono::steady_clock::now();
     const DesignMerit all = try_all(problem, side);

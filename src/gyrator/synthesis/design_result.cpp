@@ -13,16 +13,17 @@ namespace {
 
 using nlohmann::json;
 
-json values_of(const Candidate& candidate) {
+json values_of(const DesignSpec& spec, const Candidate& candidate) {
   json values = json::object();
   for (std::size_t i = 0; i < candidate.values.size(); ++i)
-    values[name_of(*candidate.topology, candidate.topology->variables[i])] = candidate.values[i];
+    values[candidate.option->values[i].name] = candidate.values[i];
+  if (mentions_pre_emphasis(spec)) values[pre_emphasis_name] = candidate.option->pre_emphasis;
   return values;
 }
 
-json summarize(const Candidate& candidate) {
-  return {{"topology", candidate.topology->name},
-          {"values", values_of(candidate)},
+json summarize(const DesignSpec& spec, const Candidate& candidate) {
+  return {{"topology", candidate.option->topology->name},
+          {"values", values_of(spec, candidate)},
           {"max_stiffness", finite_or_null(candidate.figures.max_stiffness)},
           {"apparent_inertia", candidate.figures.apparent_inertia}};
 }
@@ -32,9 +33,9 @@ json make_bill(const DesignSpec& spec, const Candidate& candidate,
   const bool operated = spec.operation.speed > 0 || spec.operation.effort > 0;
   json bill = json::array();
   for (std::size_t i = 0; i < candidate.values.size(); ++i) {
-    const DesignVariable& variable = candidate.topology->variables[i];
+    const SoughtValue& variable = candidate.option->values[i];
     const double value = candidate.values[i];
-    json item{{"name", name_of(*candidate.topology, variable)},
+    json item{{"name", variable.name},
               {"part", variable.part == DesignPart::resistor    ? "resistor"
                        : variable.part == DesignPart::capacitor ? "capacitor"
                                                                 : "setting"},
@@ -62,6 +63,12 @@ json make_bill(const DesignSpec& spec, const Candidate& candidate,
   return bill;
 }
 
+json finite_or_nulls(const std::vector<double>& values) {
+  json all = json::array();
+  for (const double value : values) all.push_back(finite_or_null(value));
+  return all;
+}
+
 json constraints_of(const DesignSpec& spec, const Candidate& candidate) {
   json kept = json::array();
   for (const DesignConstraint& constraint : spec.constraints) {
@@ -74,13 +81,16 @@ json constraints_of(const DesignSpec& spec, const Candidate& candidate) {
 
 json describe_json(const DesignSpec& spec, const Design& design) {
   const DesignFigures& figures = design.candidate.figures;
-  json entry = summarize(design.candidate);
+  json entry = summarize(spec, design.candidate);
   entry["rated_stiffness"] = design.rated_stiffness;
   entry["worst_frequency_hz"] = figures.worst_frequency_hz;
   entry["damping_below_5_hz"] = figures.damping_below_5_hz;
   entry["yield"] = design.yield.value;
   entry["yield_low"] = design.yield.low;
   entry["yield_high"] = design.yield.high;
+  if (mentions_pre_emphasis(spec)) entry["emphasis_gain"] = figures.emphasis_gain;
+  entry["boundary"] = {{"damping", design.boundary.damping},
+                       {"max_stiffness", finite_or_nulls(design.boundary.max_stiffness)}};
   entry["constraints"] = constraints_of(spec, design.candidate);
   entry["bill_of_materials"] = make_bill(spec, design.candidate, design.extremes);
   if (spec.operation.speed > 0 || spec.operation.effort > 0) {
@@ -99,27 +109,30 @@ json binding_json(const std::optional<BindingConstraint>& binding) {
           {"unit", binding->unit.symbol}, {"topology", binding->topology}};
 }
 
-const Unit& unit_of(Motion motion, const std::string& variable) {
-  for (const Topology& topology : list_topologies(motion))
-    for (const DesignVariable& known : topology.variables)
-      if (name_of(topology, known) == variable) return known.unit;
+const Unit& unit_of(const DesignSpec& spec, const std::string& name) {
+  for (const DesignOption& option : spec.options)
+    for (const SoughtValue& known : option.values)
+      if (known.name == name) return known.unit;
   return dimension::none;
 }
 
-std::string describe_values(Motion motion, const json& values) {
+std::string describe_values(const DesignSpec& spec, const json& values) {
   std::vector<std::string> texts;
-  for (const auto& [name, value] : values.items())
-    texts.push_back(fmt::format("{} {}", name, format_quantity(value, unit_of(motion, name))));
+  for (const auto& [name, value] : values.items()) {
+    texts.push_back(value.is_boolean()
+                        ? fmt::format("{} {}", name, value.get<bool>() ? "on" : "off")
+                        : fmt::format("{} {}", name, format_quantity(value, unit_of(spec, name))));
+  }
   return join(texts);
 }
 
-std::string describe_bill(const json& bill, Motion motion) {
+std::string describe_bill(const json& bill, const DesignSpec& spec) {
   std::string text = "\nbill of materials\n";
   for (const json& item : bill) {
     const std::string name = item["name"];
     text +=
         fmt::format("  {} x {} {}", item["count"].get<int>(),
-                    format_quantity(item["value"], unit_of(motion, name)),
+                    format_quantity(item["value"], unit_of(spec, name)),
                     item["part"] == "setting" ? "(set) " + name : item["part"].get<std::string>());
     if (item.contains("tolerance"))
       text += fmt::format(" ± {:g} %", 100 * item["tolerance"].get<double>());
@@ -163,9 +176,16 @@ json make_design_result(const DesignSpec& spec, const DesignStudy& study) {
     result["designs"].push_back(describe_json(spec, design));
   result["continuous"] = json::array();
   for (const Candidate& candidate : study.continuous)
-    result["continuous"].push_back(summarize(candidate));
+    result["continuous"].push_back(summarize(spec, candidate));
   result["pareto"] = json::array();
-  for (const Candidate& candidate : study.pareto) result["pareto"].push_back(summarize(candidate));
+  for (const Candidate& candidate : study.pareto)
+    result["pareto"].push_back(summarize(spec, candidate));
+  result["fronts"] = json::array();
+  for (const auto& [topology, points] : study.fronts) {
+    json front{{"topology", topology->name}, {"points", json::array()}};
+    for (const Candidate& candidate : points) front["points"].push_back(summarize(spec, candidate));
+    result["fronts"].push_back(std::move(front));
+  }
   result["virtual_damping"] = spec.damping;
   result["binding_constraint"] = binding_json(study.binding);
   return result;
@@ -186,13 +206,13 @@ std::string describe_design(const DesignSpec& spec, const json& result) {
         format_quantity(design["max_stiffness"], units.stiffness),
         format_quantity(design["rated_stiffness"], units.stiffness),
         format_quantity(design["apparent_inertia"], units.inertia),
-        100 * design["yield"].get<double>(), describe_values(motion, design["values"]));
+        100 * design["yield"].get<double>(), describe_values(spec, design["values"]));
   }
   if (result["designs"].size() > 1) {
     text += fmt::format("\nThe second loses: {}.\n",
                         result["designs"][1]["loses_because"].get<std::string>());
   }
-  return text + describe_bill(result["designs"][0]["bill_of_materials"], motion);
+  return text + describe_bill(result["designs"][0]["bill_of_materials"], spec);
 }
 
 }  // namespace gyrator
