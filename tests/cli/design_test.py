@@ -98,6 +98,26 @@ class DesignTest(ProgramTest):
             if best > 0:
                 self.assertGreaterEqual(result["designs"][0]["max_stiffness"], best * (1 - 2e-3))
 
+    def test_what_is_promised_holds_by_other_methods(self):
+        # Circuits of both motors, with and without pre-emphasis: the proof of passivity, hits of simulated hands
+        # at walls up to the rated one, and ngspice on the written netlist.
+        re35 = EXAMPLES / "compare/re35_none.json"
+        for change in ({"constraints": {"apparent_inertia": {"max": "2e-7 kg.m^2"}}},
+                       {"model": str(re35), "topologies": ["rc"], "digital": {"pre_emphasis": True},
+                        "constraints": {"apparent_inertia": {"max": "3e-6 kg.m^2"}}},
+                       {"model": str(re35), "topologies": ["resistor"], "ranges": {}},
+                       {"topologies": ["back_emf"], "ranges": {"back_emf.damping": [1e-4, 1e-3]}}):
+            best = self.design(**{"ranges": {}, "series": "E12", "samples": 20, "designs": 1, **change})["designs"][0]
+            rated = best["rated_stiffness"]
+            with self.subTest(values=best["values"]):
+                self.assertEqual(self.run_program("passivity", "designed.json").code, 0)
+                walls = self.ask("zwidth", "designed.json", "--damping", 1e-4, "--criterion", "time",
+                                 "--stiffness", f"{0.5 * rated},{rated}", "--duration", "0.3 s")
+                outcome = walls["boundaries"][0]["map"]["outcome"]
+                self.assertEqual([row[0] for row in outcome], [0, 0])  # both settle
+                checked = self.ask("spice", "designed.json", "--check")
+                self.assertTrue(checked["agrees"], checked)
+
     def test_what_cannot_be_names_the_constraint_and_how_far_it_would_have_to_give(self):
         result = self.design(objective={"maximize": "stiffness", "virtual_damping": 1e-4,
                                         "stiffness": "1 N.m/rad"},
@@ -117,6 +137,38 @@ class DesignTest(ProgramTest):
         self.assertAlmostEqual(binding["needed"] / most, 1, delta=2e-3)
         wanted["stiffness"] = 0.9 * most
         self.assertTrue(self.design(objective=wanted)["feasible"])
+
+    def test_figure_and_report_tell_the_design(self):
+        bound = {"apparent_inertia": {"max": "2e-7 kg.m^2"}}
+        document = spec(constraints=bound, series="E12", topologies=["resistor", "rc"], ranges={})
+        name = self.write_model(document, "spec.json")
+        answer = self.run_program("design", name, "--svg", "front.svg", "-o", "result.json", timeout=60)
+        self.assertEqual(answer.code, 0, answer)
+        self.assertIn("why the others come after the first", answer.out)
+        self.assertIn(f"gyrator design {name} --write-model", answer.out)
+        result = json.loads((self.folder / "result.json").read_text())
+        drawn = (self.folder / "front.svg").read_text()
+        for design in result["designs"]:
+            self.assertIn(design["bill_of_materials"][0]["written"], drawn)
+        fronts = {front["topology"]: front["points"] for front in result["fronts"]}
+        self.assertGreaterEqual(len(fronts["rc"]), 15)
+        for points in fronts.values():
+            for lighter, heavier in zip(points, points[1:]):
+                self.assertLess(lighter["apparent_inertia"], heavier["apparent_inertia"])
+                self.assertLess(lighter["max_stiffness"], heavier["max_stiffness"])
+        self.assertEqual(self.run_program("report", "result.json", "-o", "page.html").code, 0)
+        page = (self.folder / "page.html").read_text()
+        for text in ("Best design:", "Bill of materials", "Constraints", result["designs"][1]["loses_because"]):
+            self.assertIn(text, page)
+
+    def test_a_question_without_an_answer_is_reported_too(self):
+        wanted = {"maximize": "stiffness", "virtual_damping": 1e-4, "stiffness": "1 N.m/rad"}
+        name = self.write_model(spec(objective=wanted, series="E12"), "spec.json")
+        answer = self.run_program("design", name, "-o", "result.json", timeout=60)
+        self.assertEqual(answer.code, 1, answer)
+        self.assertEqual(self.run_program("report", "result.json", "-o", "page.html").code, 0)
+        page = (self.folder / "page.html").read_text()
+        self.assertIn("No design: max_stiffness of", page)
 
     def test_a_spec_that_is_wrong_is_refused_by_key(self):
         for change, fragments in (({"serie": "E24"}, ("serie", "series")),

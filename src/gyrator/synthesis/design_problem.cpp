@@ -93,8 +93,8 @@ Device DesignProblem::make_device(std::span<const double> values) const {
   return device;
 }
 
-DesignFigures DesignProblem::evaluate(std::span<const double> values,
-                                      LimitPrecision precision) const {
+DesignFigures DesignProblem::evaluate(std::span<const double> values, LimitPrecision precision,
+                                      const DesignConstraint* free) const {
   throw_if_interrupted("design");
   DesignFigures worst;
   const Device own = make_device(values);
@@ -103,10 +103,15 @@ DesignFigures DesignProblem::evaluate(std::span<const double> values,
     Device device = own;
     device.drive.motor->temperature_rise = rises_[i];
     if (!(device.drive.motor->warm_resistance() > 0)) return {};
+    DesignFigures figures = evaluate_port(device, controller);
+    if (precision == LimitPrecision::on_grid && misses_any(figures, free)) {
+      figures.stable = true;  // not known; its merit is as low
+      return figures;
+    }
     for (const Operator& held_by : {Operator(FreeOperator{}), Operator(ClampedOperator{})})
       if (find_unstable_pole(build_device_network(device, held_by))) return {};
-    DesignFigures figures = evaluate_port(device, controller);
     figures.stable = true;
+    figures.has_limits = true;
     add_limits(figures, device, controller, precision);
     if (i == 0) {
       worst = figures;
@@ -125,6 +130,39 @@ DesignFigures DesignProblem::evaluate(std::span<const double> values,
     raise(worst.extremes.amplifier_current, figures.extremes.amplifier_current);
   }
   return worst;
+}
+
+bool DesignProblem::misses_any(const DesignFigures& figures, const DesignConstraint* free) const {
+  return std::any_of(spec_.constraints.begin(), spec_.constraints.end(),
+                     [&](const DesignConstraint& constraint) {
+                       return &constraint != free && !constraint.figure->is_minimum &&
+                              find_violation(constraint, figures) > 0;
+                     });
+}
+
+// Every frequency bounds the limit, so that a few bound it from above.
+double DesignProblem::find_highest_stiffness(const Device& device,
+                                             const Controller& controller) const {
+  StiffnessLimits limits(device, spec_.model.sampling, controller, FreeOperator{},
+                         GridDensity::coarse);
+  double sum = 0;
+  for (const double damping : spec_.damping)
+    sum += proof_share * std::min(limits.find_upper_bound(damping), no_limit);
+  return sum / static_cast<double>(spec_.damping.size());
+}
+
+std::optional<DesignMerit> DesignProblem::find_merit_above(const DesignMerit& least,
+                                                           std::span<const double> values) const {
+  const Device own = make_device(values);
+  const Controller controller = make_controller(own, values);
+  if (least.feasible && own.drive.motor->warm_resistance() > 0) {
+    if (misses_any(evaluate_port(own, controller), nullptr)) return std::nullopt;
+    if (spec_.objective == DesignObjective::stiffest &&
+        find_highest_stiffness(own, controller) <= least.score)
+      return std::nullopt;
+  }
+  const DesignMerit merit = judge(spec_, evaluate(values));
+  return least < merit ? std::optional(merit) : std::nullopt;
 }
 
 DesignFigures DesignProblem::evaluate_port(const Device& device,
@@ -175,9 +213,11 @@ double find_violation(const DesignConstraint& constraint, const DesignFigures& f
 DesignMerit judge(const DesignSpec& spec, const DesignFigures& figures,
                   const DesignConstraint* free) {
   if (!figures.stable) return {false, -1e6};
-  double missing = figures.least_stiffness > 0 ? 0 : hopeless;
-  for (const DesignConstraint& constraint : spec.constraints)
-    if (&constraint != free) missing += find_violation(constraint, figures);
+  double missing = !figures.has_limits ? 2 * hopeless : figures.least_stiffness > 0 ? 0 : hopeless;
+  for (const DesignConstraint& constraint : spec.constraints) {
+    const bool known = figures.has_limits || !constraint.figure->is_minimum;
+    if (&constraint != free && known) missing += find_violation(constraint, figures);
+  }
   if (missing > 0) return {false, -missing};
   if (free) return {true, -find_violation(*free, figures)};
   if (spec.objective == DesignObjective::stiffest) return {true, figures.max_stiffness};

@@ -28,8 +28,15 @@ class DesignProblem {
   /// series has none in it.
   std::vector<std::vector<double>> lattice() const;
 
+  /// On the grid, a limit is left out where a constraint that does not ask for it is missed; not
+  /// for `free`, which may be.
   DesignFigures evaluate(std::span<const double> values,
-                         LimitPrecision precision = LimitPrecision::on_grid) const;
+                         LimitPrecision precision = LimitPrecision::on_grid,
+                         const DesignConstraint* free = nullptr) const;
+  /// The merit of these values, or none where it is no better than `least`. That is cheap where a
+  /// constraint is missed or an upper bound of the stiffness is no higher.
+  std::optional<DesignMerit> find_merit_above(const DesignMerit& least,
+                                              std::span<const double> values) const;
   /// The same of a device that is not one of the search's, without its limits and stability.
   DesignFigures evaluate_port(const Device& device, const Controller& controller) const;
 
@@ -40,6 +47,8 @@ class DesignProblem {
   }
 
  private:
+  bool misses_any(const DesignFigures& figures, const DesignConstraint* free) const;
+  double find_highest_stiffness(const Device& device, const Controller& controller) const;
   void add_limits(DesignFigures& figures, const Device& device, const Controller& controller,
                   LimitPrecision precision) const;
 
@@ -58,7 +67,8 @@ double find_violation(const DesignConstraint& constraint, const DesignFigures& f
 inline constexpr double hopeless = 50;
 
 /// Merit under the spec: feasible where all constraints are kept and some stiffness is passive; the
-/// score is the objective, or minus the sum of violations. With `free` that one may be missed by
+/// score is the objective, or minus the sum of violations, where that of an unknown limit is twice
+/// `hopeless`. With `free` that one may be missed by
 /// any amount, and the score is by how little.
 DesignMerit judge(const DesignSpec& spec, const DesignFigures& figures,
                   const DesignConstraint* free = nullptr);

@@ -58,7 +58,7 @@ class Searcher {
 
   Candidate make_candidate(std::vector<double> values) const {
     Candidate candidate{&problem_.option(), std::move(values), {}, {}};
-    candidate.figures = problem_.evaluate(candidate.values);
+    candidate.figures = problem_.evaluate(candidate.values, LimitPrecision::on_grid, free_);
     candidate.merit = judge(problem_.spec(), candidate.figures, free_);
     return candidate;
   }

@@ -23,6 +23,7 @@ inline constexpr const char* design_schema_name = "gyrator/design/1";
 /// temperatures each.
 struct DesignFigures {
   bool stable = false;            ///< alone, with the port free and held
+  bool has_limits = false;        ///< false: missed a constraint that is cheaper to judge
   double max_stiffness = 0;       ///< exact disk; mean over the virtual dampings, 0: none
   double least_stiffness = 0;     ///< the same, lowest of the virtual dampings
   double worst_frequency_hz = 0;  ///< where the lowest binds

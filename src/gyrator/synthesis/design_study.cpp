@@ -119,7 +119,7 @@ class Study {
     run_parallel(problems_.size(), 0, [&](std::size_t i) {
       OptionSearch& found = searches_[i];
       found = search_option(problems_[i], nullptr, [&](std::size_t n) { progress.advance(n); });
-      swept[i] = spec_.series ? sweep_inertia(problems_[i], found.on_lattice) : found.seen;
+      swept[i] = sweep_inertia(problems_[i], found.on_lattice);
     });
     std::vector<Candidate> all;
     std::vector<Candidate> of_topology;
@@ -230,13 +230,15 @@ class Study {
     const Candidate* nearest = nullptr;
     for (const OptionSearch& found : searches_)
       if (!nearest || is_better(found.best, *nearest)) nearest = &found.best;
+    Candidate judged = *nearest;
+    judged.figures = problem_of(judged).evaluate(judged.values, LimitPrecision::proved);
     std::optional<BindingConstraint> binding;
     double worst = 0;
     for (const DesignConstraint& constraint : spec_.constraints) {
-      const double violation = find_violation(constraint, nearest->figures);
+      const double violation = find_violation(constraint, judged.figures);
       if (violation <= worst) continue;
       worst = violation;
-      binding = make_binding(constraint, *nearest, false);
+      binding = make_binding(constraint, judged, false);
     }
     return binding;
   }

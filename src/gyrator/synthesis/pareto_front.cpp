@@ -31,8 +31,12 @@ class Sweep {
   Sweep(const DesignProblem& problem, const std::vector<Candidate>& found)
       : problem_(problem), lattice_(problem.lattice()) {
     for (const auto& values : lattice_) sizes_.push_back(values.size());
-    for (const Candidate& candidate : found)
-      known_.emplace(nearest(candidate.values), candidate.figures);
+    const bool is_lattice = problem.spec().series.has_value();
+    for (const Candidate& candidate : found) {
+      const LatticePoint point = nearest(candidate.values);
+      if (is_lattice && candidate.figures.has_limits) known_.emplace(point, candidate.figures);
+      if (!is_lattice && candidate.merit.feasible) look_at(point);
+    }
   }
 
   void run() {
@@ -77,9 +81,18 @@ class Sweep {
     LatticePoint point;
     for (std::size_t i = 0; i < values.size(); ++i) {
       const auto at = std::lower_bound(lattice_[i].begin(), lattice_[i].end(), values[i]);
-      point.push_back(static_cast<std::size_t>(at - lattice_[i].begin()));
+      point.push_back(
+          std::min(static_cast<std::size_t>(at - lattice_[i].begin()), lattice_[i].size() - 1));
     }
     return point;
+  }
+  const DesignFigures& look_at(const LatticePoint& point) {
+    const auto found = known_.find(point);
+    if (found != known_.end()) return found->second;
+    return known_
+        .emplace(point, problem_.evaluate(values_at(point), LimitPrecision::on_grid,
+                                          find_inertia_bound(problem_.spec())))
+        .first->second;
   }
   LatticePoint find_stiffest() const {
     const auto merit = [&](const DesignFigures& figures) {
@@ -92,10 +105,7 @@ class Sweep {
   }
   LatticePoint climb(const LatticePoint& start, double bound) {
     const auto merit = [&](const LatticePoint& point) {
-      auto found = known_.find(point);
-      if (found == known_.end())
-        found = known_.emplace(point, problem_.evaluate(values_at(point))).first;
-      return judge_within(problem_.spec(), found->second, bound);
+      return judge_within(problem_.spec(), look_at(point), bound);
     };
     return climb_lattice(sizes_, start, sizes_.size() > 2 ? 1 : 2, merit).point;
   }
