@@ -21,6 +21,12 @@ def values_of_e12(low, high):
     return [v for v in values if low * (1 - 1e-9) <= v <= high * (1 + 1e-9)]
 
 
+def shown_in_manual():
+    blocks = [json.loads(text.split("```")[0])
+              for text in (ROOT / "docs/design.md").read_text().split("```json\n")[1:]]
+    return [block for block in blocks if block["schema"] == "gyrator/design/1"]
+
+
 class DesignTest(ProgramTest):
 
     def design(self, timeout=60, **more):
@@ -140,7 +146,7 @@ class DesignTest(ProgramTest):
 
     def test_figure_and_report_tell_the_design(self):
         bound = {"apparent_inertia": {"max": "2e-7 kg.m^2"}}
-        document = spec(constraints=bound, series="E12", topologies=["resistor", "rc"], ranges={})
+        document = spec(constraints=bound, topologies=["resistor", "rc"], ranges={})
         name = self.write_model(document, "spec.json")
         answer = self.run_program("design", name, "--svg", "front.svg", "-o", "result.json", timeout=60)
         self.assertEqual(answer.code, 0, answer)
@@ -191,8 +197,23 @@ class DesignTest(ProgramTest):
         table = self.run_program("schema", "--design", "--manual").out
         self.assertIn(table.strip(), (ROOT / "docs/design.md").read_text())
 
-    def test_the_help_texts_example_is_the_manuals(self):
-        shown = (ROOT / "docs/design.md").read_text().split("```json\n")[1].split("```")[0]
+    def test_the_manuals_spec_is_the_helps_example(self):
+        shown = next(block for block in shown_in_manual() if block["model"].startswith("../compare"))
         shipped = json.loads((EXAMPLES / "design/re25.json").read_text())
-        for key, value in json.loads(shown).items():
+        for key, value in shown.items():
             self.assertEqual(value, shipped[key], key)
+
+    def test_who_follows_the_manual_sees_what_it_shows(self):
+        manual = (ROOT / "docs/design.md").read_text()
+        blocks = [json.loads(text.split("```")[0]) for text in manual.split("```json\n")[1:3]]
+        self.assertEqual(blocks[1], json.loads((EXAMPLES / "design/my_design.json").read_text())
+                         | {"constraints": blocks[1]["constraints"]})
+        self.assertEqual(blocks[0].keys(), json.loads((EXAMPLES / "design/my_motor.json").read_text()).keys())
+        self.write_model(blocks[0], "my_motor.json")
+        self.write_model(blocks[1] | {"samples": 50}, "my_design.json")
+        answer = self.run_program("design", "my_design.json", "--write-model", "designed.json", timeout=120)
+        self.assertEqual(answer.code, 0, answer)
+        shown = manual.split("    RE40 knob: ")[1].split("    …")[0]
+        for line in shown.splitlines()[1:]:
+            self.assertIn(line.removeprefix("    ").rstrip(), answer.out)
+        self.assertEqual(self.run_program("passivity", "designed.json").code, 0)
