@@ -81,8 +81,9 @@ std::vector<std::vector<double>> DesignProblem::lattice() const {
     if (!lattice.back().empty()) continue;
     throw Error(
         ErrorCode::bad_input, fmt::format("{}: /ranges/{}", spec_.file, variable.name),
-        fmt::format("{} to {}: no value of the series lies between",
-                    format_quantity(low, variable.unit), format_quantity(high, variable.unit)));
+        fmt::format("{} to {}: no value of {} lies between: widen the range or take another series",
+                    format_quantity(low, variable.unit), format_quantity(high, variable.unit),
+                    spec_.series ? name_of(*spec_.series) : "three digits"));
   }
   return lattice;
 }

@@ -66,11 +66,11 @@ bool has_pre_emphasis(const Model& model) {
          model.source.at("/controller/pre_emphasis"_json_pointer).is_object();
 }
 
-DesignRange read_range(const json& given, const std::string& place) {
+DesignRange read_range(const json& given, const Unit& unit, const std::string& place) {
   const DesignRange range{given[0], given[1]};
   if (range.low > range.high) {
-    refuse(place, fmt::format("{:g} to {:g}: the lowest value is above the highest", range.low,
-                              range.high));
+    refuse(place, fmt::format("{} to {}: the lowest value is above the highest",
+                              format_quantity(range.low, unit), format_quantity(range.high, unit)));
   }
   return range;
 }
@@ -83,7 +83,7 @@ std::vector<SoughtValue> read_ranges(const DesignSpec& spec, const Topology& top
     const std::string name = name_of(topology, variable);
     DesignRange range{variable.low(motor), variable.high(motor)};
     if (const json& given = read["ranges"].value(name, json()); !given.is_null())
-      range = read_range(given, spec.file + ": /ranges/" + name);
+      range = read_range(given, variable.unit, spec.file + ": /ranges/" + name);
     values.push_back({name, variable.part, variable.unit, range});
   }
   return values;
@@ -94,7 +94,7 @@ std::optional<SoughtValue> read_cutoff(const DesignSpec& spec, const json& digit
   const json& given = digital["velocity_cutoff"];
   if (given.is_null()) return std::nullopt;
   const std::string place = spec.file + ": /digital/velocity_cutoff";
-  const DesignRange range = read_range(given, place);
+  const DesignRange range = read_range(given, dimension::frequency, place);
   const Controller controller = spec.model.sampled_controller();
   const auto* wall = std::get_if<VirtualWall>(&controller.law);
   if (!wall)

@@ -77,16 +77,13 @@ TEST(DigitalStage, AWiderChoiceIsNeverWorse) {
       parse(digital_spec({{"pre_emphasis", true}, {"velocity_cutoff", {"20 Hz", "2 kHz"}}}));
   ASSERT_EQ(plain.options.size(), 1U);
   ASSERT_EQ(wide.options.size(), 4U);
+  // What the plain spec has is one of the choices.
+  EXPECT_FALSE(wide.options.front().pre_emphasis || wide.options.front().velocity_filter);
   const DesignMerit own = search_option(DesignProblem(plain, plain.options.front())).best.merit;
-  DesignMerit best{false, -1e9};
-  for (const DesignOption& option : wide.options) {
-    const Candidate found = search_option(DesignProblem(wide, option)).best;
-    EXPECT_LE(found.figures.emphasis_gain, 10 * (1 + 1e-9));
-    best = std::max(best, found.merit);
-  }
-  EXPECT_FALSE(best < own);
+  const Candidate both = search_option(DesignProblem(wide, wide.options.back())).best;
+  EXPECT_LE(both.figures.emphasis_gain, 10 * (1 + 1e-9));
   // The branch's lag is what binds this motor at B: without it and with a filter, a half more.
-  EXPECT_GT(best.score, 1.4 * own.score);
+  EXPECT_GT(both.merit.score, 1.4 * own.score);
 }
 
 TEST(DigitalStage, TheGainOfTheStageIsBounded) {
