@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "support/design_problems.hpp"
+
 namespace gyrator {
 namespace {
 
@@ -99,6 +101,16 @@ TEST(DesignProblem, ACancellationThatOscillatesWhenColdIsNoDesign) {
   const std::vector<double> values{0.9};
   EXPECT_TRUE(DesignProblem(warm, warm.options.front()).evaluate(values).stable);
   EXPECT_FALSE(DesignProblem(cold, cold.options.front()).evaluate(values).stable);
+}
+
+TEST(DesignSearch, NoPairOfAFineLatticeIsBetter) {
+  for (std::uint64_t i = 0; i < 4; ++i) {
+    const DesignSpec spec = testing::make_design_problem(i);
+    const DesignProblem problem(spec, spec.options.front());
+    const Candidate found = search_option(problem).best;
+    ASSERT_TRUE(found.merit.feasible) << i;
+    EXPECT_FALSE(found.merit < testing::try_all_pairs(problem, 60)) << i;
+  }
 }
 
 // The series' best by trying all of it.
