@@ -29,7 +29,7 @@ def shown_in_manual():
 
 class DesignTest(ProgramTest):
 
-    def design(self, timeout=60, **more):
+    def design(self, timeout=120, **more):
         answer = self.run_program("design", self.write_model(spec(**more), "spec.json"), "--json",
                                   "--write-model", "designed.json", timeout=timeout)
         self.assertIn(answer.code, (0, 1), answer)
@@ -148,7 +148,7 @@ class DesignTest(ProgramTest):
         bound = {"apparent_inertia": {"max": "2e-7 kg.m^2"}}
         document = spec(constraints=bound, topologies=["resistor", "rc"], ranges={})
         name = self.write_model(document, "spec.json")
-        answer = self.run_program("design", name, "--svg", "front.svg", "-o", "result.json", timeout=60)
+        answer = self.run_program("design", name, "--svg", "front.svg", "-o", "result.json", timeout=120)
         self.assertEqual(answer.code, 0, answer)
         self.assertIn("why the others come after the first", answer.out)
         self.assertIn(f"gyrator design {name} --write-model", answer.out)
@@ -170,7 +170,7 @@ class DesignTest(ProgramTest):
     def test_a_question_without_an_answer_is_reported_too(self):
         wanted = {"maximize": "stiffness", "virtual_damping": 1e-4, "stiffness": "1 N.m/rad"}
         name = self.write_model(spec(objective=wanted, series="E12"), "spec.json")
-        answer = self.run_program("design", name, "-o", "result.json", timeout=60)
+        answer = self.run_program("design", name, "-o", "result.json", timeout=120)
         self.assertEqual(answer.code, 1, answer)
         self.assertEqual(self.run_program("report", "result.json", "-o", "page.html").code, 0)
         page = (self.folder / "page.html").read_text()

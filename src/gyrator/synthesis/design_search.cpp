@@ -202,7 +202,7 @@ class Searcher {
 }  // namespace
 
 std::size_t count_search_steps(const DesignProblem& problem) {
-  constexpr std::size_t refinement = 150;
+  constexpr std::size_t refinement = 150;  // mesh and lattice, for each variable
   return scan_points + problem.size() * (global_steps + local_steps + refinement);
 }
 

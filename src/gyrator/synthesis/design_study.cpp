@@ -113,13 +113,13 @@ class Study {
 
   // The options side by side; each is searched by one thread with random numbers of its own.
   void search() {
-    Progress progress("search", count_steps(), quiet_);
+    Progress progress("search", count_steps() + problems_.size() * sweep_steps, quiet_);
+    const auto advance = [&](std::size_t n) { progress.advance(n); };
     searches_.resize(problems_.size());
     std::vector<std::vector<Candidate>> swept(problems_.size());
     run_parallel(problems_.size(), 0, [&](std::size_t i) {
-      OptionSearch& found = searches_[i];
-      found = search_option(problems_[i], nullptr, [&](std::size_t n) { progress.advance(n); });
-      swept[i] = sweep_inertia(problems_[i], found.on_lattice);
+      searches_[i] = search_option(problems_[i], nullptr, advance);
+      swept[i] = sweep_inertia(problems_[i], searches_[i].on_lattice, advance);
     });
     std::vector<Candidate> all;
     std::vector<Candidate> of_topology;

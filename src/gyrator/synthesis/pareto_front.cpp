@@ -28,8 +28,9 @@ DesignMerit judge_within(const DesignSpec& spec, const DesignFigures& figures, d
 
 class Sweep {
  public:
-  Sweep(const DesignProblem& problem, const std::vector<Candidate>& found)
-      : problem_(problem), lattice_(problem.lattice()) {
+  Sweep(const DesignProblem& problem, const std::vector<Candidate>& found,
+        const std::function<void(std::size_t)>& advance)
+      : problem_(problem), advance_(advance), lattice_(problem.lattice()) {
     for (const auto& values : lattice_) sizes_.push_back(values.size());
     const bool is_lattice = problem.spec().series.has_value();
     for (const Candidate& candidate : found) {
@@ -89,6 +90,7 @@ class Sweep {
   const DesignFigures& look_at(const LatticePoint& point) {
     const auto found = known_.find(point);
     if (found != known_.end()) return found->second;
+    if (advance_) advance_(1);
     return known_
         .emplace(point, problem_.evaluate(values_at(point), LimitPrecision::on_grid,
                                           find_inertia_bound(problem_.spec())))
@@ -111,6 +113,7 @@ class Sweep {
   }
 
   const DesignProblem& problem_;
+  const std::function<void(std::size_t)>& advance_;
   std::vector<std::vector<double>> lattice_;
   std::vector<std::size_t> sizes_;
   std::map<LatticePoint, DesignFigures> known_;
@@ -119,8 +122,9 @@ class Sweep {
 }  // namespace
 
 std::vector<Candidate> sweep_inertia(const DesignProblem& problem,
-                                     const std::vector<Candidate>& found) {
-  Sweep sweep(problem, found);
+                                     const std::vector<Candidate>& found,
+                                     const std::function<void(std::size_t)>& advance) {
+  Sweep sweep(problem, found, advance);
   sweep.run();
   return sweep.take();
 }
