@@ -36,15 +36,13 @@ inline DesignSpec make_design_problem(std::uint64_t index) {
   auto& constraints = document["constraints"];
   const double share = 0.2 + 0.6 * random.uniform();
   const double own_damping = small ? 1.2e-6 : 6.33e-6;
-  if (index % 5 == 1)
-    constraints["damping_below_5_hz"] = {{"max", own_damping * (1 + 0.005 * share)}};
+  if (index % 5 == 1 || index % 5 == 4)
+    constraints["damping_below_5_hz"] = {{"max", own_damping + 2e-8 + 3e-8 * share}};
   if (index % 5 == 2) {
     document["operation"] = {{"speed", 100}, {"effort", 0.02}};
     constraints["resistor_power"] = {{"max", 5e-3 * share}};
   }
   if (index % 5 == 3) document["winding_rise"] = {"-20 K", fmt::format("{} K", 100 * share)};
-  if (index % 5 == 4)
-    constraints["damping_below_5_hz"] = {{"max", own_damping * (1 + 0.02 * share)}};
   return parse_design_spec(document, "spec.json");
 }
 
