@@ -35,6 +35,10 @@ TEST(MeritScreen, NeverSkipsWhatIsBetterAndNeverReturnsWhatIsNot) {
                                      std::pow(10, 3 * random.uniform() - 5)};
     const DesignMerit least{random.uniform() < 0.8, 0.1 * random.uniform()};
     const DesignMerit merit = judge(spec, problem.evaluate(values));
+    if (merit.feasible) {  // just below and just above its own
+      EXPECT_TRUE(problem.find_merit_above({true, 0.999 * merit.score}, values)) << i;
+      EXPECT_FALSE(problem.find_merit_above({true, 1.001 * merit.score}, values)) << i;
+    }
     const auto found = problem.find_merit_above(least, values);
     ASSERT_EQ(found.has_value(), least < merit) << i;
     if (!found) continue;
