@@ -1,75 +1,57 @@
 // Designs against brute force: the best of 200 x 200 pairs (R_1, C), evenly spaced in their
 // logarithms over the same ranges, for ten seeded problems of RE25 and RE35. Run from the
-// repository's root: build/release/bench/design_study [problems] [side]
+// repository's root: build/release/bench/design_study [first] [last] [side]
 
-#include "gyrator/core/random_stream.hpp"
-#include "gyrator/studies/parallel.hpp"
 #include "gyrator/synthesis/design_search.hpp"
 
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <mutex>
 
 #include <fmt/core.h>
+
+#include "support/design_problems.hpp"
 
 namespace gyrator {
 namespace {
 
-DesignSpec make_problem(std::uint64_t index) {
-  RandomStream random(2026, index);
-  const double damping = std::pow(10, random.uniform() - 4.5);
-  const double inertia = std::pow(10, 2 * random.uniform() - 8);
-  const nlohmann::json document{
-      {"schema", "gyrator/design/1"},
-      {"model",
-       index % 2 == 0 ? "examples/compare/re25_none.json" : "examples/compare/re35_none.json"},
-      {"objective", {{"maximize", "stiffness"}, {"virtual_damping", damping}}},
-      {"topologies", {"rc"}},
-      {"series", "none"},
-      {"ranges", {{"rc.resistance", {0.1, 100}}, {"rc.capacitance", {1e-6, 1e-2}}}},
-      {"constraints", {{"apparent_inertia", {{"max", inertia}}}}},
-      {"seed", index + 1}};
-  return parse_design_spec(document, "spec.json");
-}
-
-DesignMerit try_all(const DesignProblem& problem, std::size_t side) {
-  DesignMerit best{false, -HUGE_VAL};
-  std::mutex guard;
-  const auto value = [&](std::size_t variable, std::size_t i) {
-    const auto [low, high] = problem.ranges()[variable];
-    return low * std::pow(high / low, static_cast<double>(i) / static_cast<double>(side - 1));
-  };
-  run_parallel(side * side, 0, [&](std::size_t i) {
-    const std::vector<double> values{value(0, i / side), value(1, i % side)};
-    const DesignMerit merit = judge(problem.spec(), problem.evaluate(values));
-    const std::scoped_lock lock(guard);
-    if (best < merit) best = merit;
-  });
-  return best;
+// What keeps the design from being stiffer.
+std::string name_binding(const DesignSpec& spec, const Candidate& found) {
+  std::string text;
+  for (const DesignConstraint& constraint : spec.constraints) {
+    const double share = constraint.figure->value(found.figures) / constraint.limit;
+    if (share > 0.999)
+      text += fmt::format("{}{}", text.empty() ? "" : ", ", constraint.figure->name);
+  }
+  return text.empty() ? "none" : text;
 }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-int run(std::size_t problems, std::size_t side) {
+int run(std::size_t first, std::size_t last, std::size_t side) {
   int worse = 0;
-  fmt::print("{:>8} {:>14} {:>14} {:>10} {:>9} {:>9}\n", "problem", "design", "lattice", "ratio",
-             "design s", "lattice s");
-  for (std::size_t i = 0; i < problems; ++i) {
-    const DesignSpec spec = make_problem(i);
-    const DesignProblem problem(spec, *spec.topologies.front());
+  fmt::print(
+      "| problem | R_1 | C | design K | lattice K | ratio | binds | design s | lattice s |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+  for (std::size_t i = first; i <= last; ++i) {
+    const DesignSpec spec = testing::make_design_problem(i);
+    const DesignProblem problem(spec, spec.options.front());
     auto start = std::chrono::steady_clock::now();
-    const DesignMerit found = search_topology(problem).best.merit;
+    const Candidate best = search_option(problem).best;
+    const DesignMerit found = best.merit;
     const double design_s = seconds_since(start);
     start = std::chrono::steady_clock::now();
-    const DesignMerit all = try_all(problem, side);
+    const DesignMerit all = testing::try_all_pairs(problem, side);
     const bool is_worse = found < all;
     worse += is_worse ? 1 : 0;
-    fmt::print("{:>8} {:>14.6g} {:>14.6g} {:>10.6f} {:>9.2f} {:>9.2f}{}\n", i, found.score,
-               all.score, found.score / all.score, design_s, seconds_since(start),
-               is_worse ? "  <- worse" : "");
+    fmt::print("| {} {} | {} | {} | {} | {} | {:.5f}{} | {} | {:.1f} | {:.1f} |\n", i,
+               spec.model.name.substr(0, 4), format_quantity(best.values[0], dimension::resistance),
+               format_quantity(best.values[1], dimension::capacitance),
+               format_quantity(found.score, dimension::rotary_stiffness),
+               format_quantity(all.score, dimension::rotary_stiffness), found.score / all.score,
+               is_worse ? " worse" : "", name_binding(spec, best), design_s, seconds_since(start));
     std::fflush(stdout);
   }
   return worse == 0 ? 0 : 1;
@@ -82,5 +64,5 @@ int main(int argc, char** argv) {
   const auto argument = [&](int i, unsigned long fallback) {
     return argc > i ? std::strtoul(argv[i], nullptr, 10) : fallback;
   };
-  return gyrator::run(argument(1, 10), argument(2, 200));
+  return gyrator::run(argument(1, 0), argument(2, 9), argument(3, 200));
 }

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "usage_errors.hpp"
@@ -30,10 +32,29 @@ void write_pareto(const std::string& path, const json& result) {
   write_csv(path, {"apparent_inertia", "max_stiffness"}, columns);
 }
 
+// What a user would want to know next.
+std::string describe_next_steps(const Options& options) {
+  const std::string spec = quote_word(options.common.model);
+  if (options.model_file.empty())
+    return fmt::format(
+        "\nnext: gyrator design {} --write-model designed.json\n"
+        "      gyrator passivity designed.json\n",
+        spec);
+  const std::string model = quote_word(options.model_file);
+  return fmt::format(
+      "\nnext: gyrator passivity {0}\n"
+      "      gyrator zwidth {0} --criterion exact_disk,time\n"
+      "      gyrator tolerance {0}\n",
+      model);
+}
+
 void run(const Options& options, int& exit_code) {
   const CommonOptions& common = options.common;
+  check_outputs(common, {{"the spec", common.model}});
   check_files({{"the spec", common.model}}, {{"--output", common.output},
                                              {"--csv", common.csv},
+                                             {"--svg", common.svg},
+                                             {"--png", common.png},
                                              {"--write-model", options.model_file},
                                              {"--spice", options.spice_file}});
   const DesignSpec spec = load_design_spec(common.model);
@@ -49,7 +70,9 @@ void run(const Options& options, int& exit_code) {
     }
   }
   if (!common.csv.empty()) write_pareto(common.csv, result);
-  deliver(common, result, describe_design(spec, result));
+  std::string text = describe_design(spec, result);
+  if (!study.designs.empty()) text += describe_next_steps(options);
+  deliver(common, result, text);
 }
 
 }  // namespace
@@ -69,6 +92,8 @@ void add_design_command(CLI::App& app, int& exit_code) {
   command->add_flag("--json", options->common.json, "Print one JSON object and nothing else");
   add_file("-o,--output", options->common.output, "Write the result as JSON");
   add_file("--csv", options->common.csv, "Write the Pareto front");
+  add_file("--svg", options->common.svg, "Plot the front and the designs' boundaries");
+  add_file("--png", options->common.png, "The same as PNG");
   add_file("--write-model", options->model_file, "Write the best design as a model file");
   add_file("--spice", options->spice_file, "Write the best design as a netlist for ngspice");
   command->add_flag("--quiet", options->common.quiet,

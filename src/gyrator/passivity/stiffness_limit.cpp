@@ -173,6 +173,19 @@ double StiffnessLimits::find_disk_limit(const DiskPoint& disk, const LawFamily::
   return first_root(d.value, d.slope, d.curvature, d.size);
 }
 
+double StiffnessLimits::find_upper_bound(double virtual_damping) {
+  constexpr std::size_t stride = 8;
+  if (!family_.has(virtual_damping)) return 0;
+  double bound = infinity;
+  const auto lower = [&](double omega) {
+    const double limit = find_disk_limit(disk_.at(omega), family_.prepare(omega), virtual_damping);
+    bound = std::min(bound, limit);
+  };
+  for (std::size_t i = 0; i < grid_.size(); i += stride) lower(grid_[i]);
+  lower(grid_.back());
+  return bound;
+}
+
 StiffnessLimit StiffnessLimits::find_on_grid(double virtual_damping) {
   if (!family_.has(virtual_damping)) return {0, false, 0};
   std::vector<double> values;

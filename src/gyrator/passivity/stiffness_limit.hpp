@@ -52,6 +52,9 @@ class StiffnessLimits {
   /// By the exact disk at the grid's frequencies and the dips they show alone: for a great many
   /// devices. A law with poles of its own (a wave line) may have a narrow dip in between.
   StiffnessLimit find_on_grid(double virtual_damping);
+  /// What that cannot exceed: the lowest of every eighth of its frequencies. For who needs the
+  /// limit only where it is high.
+  double find_upper_bound(double virtual_damping);
 
   AliasedDisk& disk() { return disk_; }
   const std::vector<double>& grid() const { return grid_; }

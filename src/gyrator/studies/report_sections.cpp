@@ -4,6 +4,7 @@
 #include "gyrator/core/text.hpp"
 #include "gyrator/plots/html.hpp"
 #include "gyrator/plots/pretty_text.hpp"
+#include "gyrator/studies/design_section.hpp"
 #include "gyrator/studies/envelope_result.hpp"
 #include "gyrator/studies/environment_result.hpp"
 #include "gyrator/studies/identification_result.hpp"
@@ -368,6 +369,7 @@ struct SectionMaker {
 };
 constexpr auto makers =
     std::to_array<SectionMaker>({{"compare", compare_section, no_sentence},
+                                 {"design", design_section, design_sentence},
                                  {"environment", environment_section, environment_sentence},
                                  {"identify", identification_section, identification_sentence},
                                  {"impedance", impedance_section, no_sentence},
@@ -405,7 +407,7 @@ bool is_bad_news(const json& result) {
   const auto tuned = optional_text(result, "outcome");
   return verdict == "not_passive" || verdict == "not_enough" ||
          (command_of(result) == "tune" && tuned != "reached" && tuned != "planned") ||
-         !optional_flag(result, "robust", true) ||
+         !optional_flag(result, "robust", true) || !optional_flag(result, "feasible", true) ||
          !optional_flag(result, "absolutely_stable", true) ||
          (!outcome.empty() && !outcome.starts_with("settle"));
 }

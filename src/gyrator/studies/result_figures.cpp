@@ -1,6 +1,7 @@
 #include "gyrator/studies/result_figures.hpp"
 
 #include "gyrator/core/error.hpp"
+#include "gyrator/studies/design_section.hpp"
 #include "gyrator/studies/envelope_result.hpp"
 #include "gyrator/studies/environment_result.hpp"
 #include "gyrator/studies/identification_result.hpp"
@@ -178,6 +179,7 @@ struct FigureMaker {
   Figure (*make)(const json&);
 };
 constexpr auto figure_makers = std::to_array<FigureMaker>({{"compare", comparison_figure},
+                                                           {"design", design_figure},
                                                            {"environment", environment_figure},
                                                            {"identify", identification_figure},
                                                            {"impedance", impedance_figure},

@@ -25,6 +25,16 @@ double inertia_of(const PortResponse& response) {
   return response.impedance.imag() / response.omega;
 }
 
+std::vector<DesignRange> ranges_of(const DesignOption& option) {
+  std::vector<DesignRange> ranges;
+  for (const SoughtValue& value : option.values) ranges.push_back(value.range);
+  return ranges;
+}
+
+double period_of(const DesignSpec& spec) {
+  return spec.model.sampling.period.to_double();
+}
+
 // Of all that is rigid with the port at slow motion: no amplifier or circuit in parallel.
 double find_rigid_inertia(Device device) {
   device.drive.amplifier = IdealDrive{};
@@ -33,16 +43,14 @@ double find_rigid_inertia(Device device) {
 
 }  // namespace
 
-DesignProblem::DesignProblem(const DesignSpec& spec, const Topology& topology)
-    : spec_(spec), topology_(topology), rigid_inertia_(find_rigid_inertia(spec.model.device)) {
+DesignProblem::DesignProblem(const DesignSpec& spec, const DesignOption& option)
+    : spec_(spec),
+      option_(option),
+      stage_(spec.model, option),
+      rigid_inertia_(find_rigid_inertia(spec.model.device)) {
   std::vector<nlohmann::json> middle;
-  for (const DesignVariable& variable : topology.variables) {
-    ranges_.push_back(spec.ranges.at(name_of(topology, variable)));
-    middle.emplace_back(std::sqrt(ranges_.back().low * ranges_.back().high));
-  }
-  const Model model = parse_model(make_designed_model(spec, topology, middle), spec.model.file);
-  device_ = model.device;
-  controller_ = model.sampled_controller();
+  for (const auto& [low, high] : ranges_of(option)) middle.emplace_back(std::sqrt(low * high));
+  device_ = parse_model(make_designed_model(spec, option, middle), spec.model.file).device;
   const double own = device_.drive.motor->temperature_rise;
   rises_ = {own};
   if (spec.winding_rise) {
@@ -55,12 +63,15 @@ DesignProblem::DesignProblem(const DesignSpec& spec, const Topology& topology)
 
 std::vector<std::vector<double>> DesignProblem::lattice() const {
   constexpr int digits_of_settings = 3;
+  constexpr int digits_of_cutoffs = 2;
   std::vector<std::vector<double>> lattice;
   for (std::size_t i = 0; i < size(); ++i) {
-    const DesignVariable& variable = topology_.variables[i];
-    const auto [low, high] = ranges_[i];
+    const SoughtValue& variable = option_.values[i];
+    const auto [low, high] = variable.range;
     if (variable.part == DesignPart::setting || !spec_.series) {
-      lattice.push_back(list_rounded_values(digits_of_settings, low, high));
+      const bool is_cutoff = variable.name == velocity_cutoff_name;
+      lattice.push_back(
+          list_rounded_values(is_cutoff ? digits_of_cutoffs : digits_of_settings, low, high));
     } else if (variable.part == DesignPart::capacitor && !spec_.bipolar_capacitor) {
       lattice.push_back(list_preferred_values(*spec_.series, 2 * low, 2 * high));
       for (double& value : lattice.back()) value /= 2;
@@ -69,33 +80,40 @@ std::vector<std::vector<double>> DesignProblem::lattice() const {
     }
     if (!lattice.back().empty()) continue;
     throw Error(
-        ErrorCode::bad_input,
-        fmt::format("{}: /ranges/{}", spec_.file, name_of(topology_, variable)),
-        fmt::format("{} to {}: no value of the series lies between",
-                    format_quantity(low, variable.unit), format_quantity(high, variable.unit)));
+        ErrorCode::bad_input, fmt::format("{}: /ranges/{}", spec_.file, variable.name),
+        fmt::format("{} to {}: no value of {} lies between: widen the range or take another series",
+                    format_quantity(low, variable.unit), format_quantity(high, variable.unit),
+                    spec_.series ? name_of(*spec_.series) : "three digits"));
   }
   return lattice;
 }
 
 Device DesignProblem::make_device(std::span<const double> values) const {
   Device device = device_;
-  device.drive.damping.back() = topology_.make(*device.drive.motor, values);
+  device.drive.damping.back() = option_.topology->make(*device.drive.motor, values);
   return device;
 }
 
-DesignFigures DesignProblem::evaluate(std::span<const double> values,
-                                      LimitPrecision precision) const {
+DesignFigures DesignProblem::evaluate(std::span<const double> values, LimitPrecision precision,
+                                      const DesignConstraint* free) const {
   throw_if_interrupted("design");
   DesignFigures worst;
+  const Device own = make_device(values);
+  const Controller controller = make_controller(own, values);
   for (std::size_t i = 0; i < rises_.size(); ++i) {
-    Device device = make_device(values);
+    Device device = own;
     device.drive.motor->temperature_rise = rises_[i];
     if (!(device.drive.motor->warm_resistance() > 0)) return {};
+    DesignFigures figures = evaluate_port(device, controller);
+    if (precision == LimitPrecision::on_grid && misses_any(figures, free)) {
+      figures.stable = true;  // not known; its merit is as low
+      return figures;
+    }
     for (const Operator& held_by : {Operator(FreeOperator{}), Operator(ClampedOperator{})})
       if (find_unstable_pole(build_device_network(device, held_by))) return {};
-    DesignFigures figures = evaluate_port(device);
     figures.stable = true;
-    add_limits(figures, device, precision);
+    figures.has_limits = true;
+    add_limits(figures, device, controller, precision);
     if (i == 0) {
       worst = figures;
       continue;
@@ -115,22 +133,58 @@ DesignFigures DesignProblem::evaluate(std::span<const double> values,
   return worst;
 }
 
-DesignFigures DesignProblem::evaluate_port(const Device& device) const {
+bool DesignProblem::misses_any(const DesignFigures& figures, const DesignConstraint* free) const {
+  return std::any_of(spec_.constraints.begin(), spec_.constraints.end(),
+                     [&](const DesignConstraint& constraint) {
+                       return &constraint != free && !constraint.figure->is_minimum &&
+                              find_violation(constraint, figures) > 0;
+                     });
+}
+
+// Every frequency bounds the limit, so that a few bound it from above.
+double DesignProblem::find_highest_stiffness(const Device& device,
+                                             const Controller& controller) const {
+  StiffnessLimits limits(device, spec_.model.sampling, controller, FreeOperator{},
+                         GridDensity::coarse);
+  double sum = 0;
+  for (const double damping : spec_.damping)
+    sum += proof_share * std::min(limits.find_upper_bound(damping), no_limit);
+  return sum / static_cast<double>(spec_.damping.size());
+}
+
+std::optional<DesignMerit> DesignProblem::find_merit_above(const DesignMerit& least,
+                                                           std::span<const double> values) const {
+  const Device own = make_device(values);
+  const Controller controller = make_controller(own, values);
+  if (least.feasible && own.drive.motor->warm_resistance() > 0) {
+    if (misses_any(evaluate_port(own, controller), nullptr)) return std::nullopt;
+    if (spec_.objective == DesignObjective::stiffest &&
+        find_highest_stiffness(own, controller) <= least.score)
+      return std::nullopt;
+  }
+  const DesignMerit merit = judge(spec_, evaluate(values));
+  return least < merit ? std::optional(merit) : std::nullopt;
+}
+
+DesignFigures DesignProblem::evaluate_port(const Device& device,
+                                           const Controller& controller) const {
   DesignFigures figures;
   const auto slow = compute_port_response(device, slow_hz);
   figures.apparent_inertia = inertia_of(slow.front()) - rigid_inertia_;
   for (const PortResponse& response : slow)
     figures.damping_below_5_hz = std::max(figures.damping_below_5_hz, response.impedance.real());
+  figures.emphasis_gain = find_emphasis_gain(controller);
   if (needs_extremes_) {
     figures.extremes =
-        compute_operating_extremes(device, device.drive.damping.size() - 1, spec_.operation);
+        compute_operating_extremes(device, device.drive.damping.size() - 1, spec_.operation,
+                                   {make_output_law(controller), period_of(spec_)});
   }
   return figures;
 }
 
 void DesignProblem::add_limits(DesignFigures& figures, const Device& device,
-                               LimitPrecision precision) const {
-  StiffnessLimits limits(device, spec_.model.sampling, controller_, FreeOperator{},
+                               const Controller& controller, LimitPrecision precision) const {
+  StiffnessLimits limits(device, spec_.model.sampling, controller, FreeOperator{},
                          GridDensity::coarse);
   figures.least_stiffness = no_limit;
   double sum = 0;
@@ -160,9 +214,11 @@ double find_violation(const DesignConstraint& constraint, const DesignFigures& f
 DesignMerit judge(const DesignSpec& spec, const DesignFigures& figures,
                   const DesignConstraint* free) {
   if (!figures.stable) return {false, -1e6};
-  double missing = figures.least_stiffness > 0 ? 0 : hopeless;
-  for (const DesignConstraint& constraint : spec.constraints)
-    if (&constraint != free) missing += find_violation(constraint, figures);
+  double missing = !figures.has_limits ? 2 * hopeless : figures.least_stiffness > 0 ? 0 : hopeless;
+  for (const DesignConstraint& constraint : spec.constraints) {
+    const bool known = figures.has_limits || !constraint.figure->is_minimum;
+    if (&constraint != free && known) missing += find_violation(constraint, figures);
+  }
   if (missing > 0) return {false, -missing};
   if (free) return {true, -find_violation(*free, figures)};
   if (spec.objective == DesignObjective::stiffest) return {true, figures.max_stiffness};

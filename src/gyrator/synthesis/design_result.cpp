@@ -5,6 +5,8 @@
 #include "gyrator/studies/result_parts.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 
 #include <fmt/core.h>
 
@@ -13,16 +15,17 @@ namespace {
 
 using nlohmann::json;
 
-json values_of(const Candidate& candidate) {
+json values_of(const DesignSpec& spec, const Candidate& candidate) {
   json values = json::object();
   for (std::size_t i = 0; i < candidate.values.size(); ++i)
-    values[name_of(*candidate.topology, candidate.topology->variables[i])] = candidate.values[i];
+    values[candidate.option->values[i].name] = candidate.values[i];
+  if (mentions_pre_emphasis(spec)) values[pre_emphasis_name] = candidate.option->pre_emphasis;
   return values;
 }
 
-json summarize(const Candidate& candidate) {
-  return {{"topology", candidate.topology->name},
-          {"values", values_of(candidate)},
+json summarize(const DesignSpec& spec, const Candidate& candidate) {
+  return {{"topology", candidate.option->topology->name},
+          {"values", values_of(spec, candidate)},
           {"max_stiffness", finite_or_null(candidate.figures.max_stiffness)},
           {"apparent_inertia", candidate.figures.apparent_inertia}};
 }
@@ -32,15 +35,16 @@ json make_bill(const DesignSpec& spec, const Candidate& candidate,
   const bool operated = spec.operation.speed > 0 || spec.operation.effort > 0;
   json bill = json::array();
   for (std::size_t i = 0; i < candidate.values.size(); ++i) {
-    const DesignVariable& variable = candidate.topology->variables[i];
+    const SoughtValue& variable = candidate.option->values[i];
     const double value = candidate.values[i];
-    json item{{"name", name_of(*candidate.topology, variable)},
+    json item{{"name", variable.name},
               {"part", variable.part == DesignPart::resistor    ? "resistor"
                        : variable.part == DesignPart::capacitor ? "capacitor"
                                                                 : "setting"},
               {"count", 1},
               {"value", value},
-              {"unit", variable.unit.symbol}};
+              {"unit", variable.unit.symbol},
+              {"written", format_quantity(value, variable.unit)}};
     if (variable.part != DesignPart::setting) {
       item["tolerance"] = spec.tolerances.at(variable.part);
       if (spec.series) item["series"] = name_of(*spec.series);
@@ -53,6 +57,7 @@ json make_bill(const DesignSpec& spec, const Candidate& candidate,
       if (!spec.bipolar_capacitor) {
         item["count"] = 2;
         item["value"] = 2 * value;
+        item["written"] = format_quantity(2 * value, variable.unit);
         item["arrangement"] = "back to back in series";
       }
       if (operated) item["peak_voltage"] = extremes.capacitor_voltage;
@@ -62,10 +67,18 @@ json make_bill(const DesignSpec& spec, const Candidate& candidate,
   return bill;
 }
 
+json finite_or_nulls(const std::vector<double>& values) {
+  json all = json::array();
+  for (const double value : values) all.push_back(finite_or_null(value));
+  return all;
+}
+
 json constraints_of(const DesignSpec& spec, const Candidate& candidate) {
   json kept = json::array();
   for (const DesignConstraint& constraint : spec.constraints) {
     kept.push_back({{"name", constraint.figure->name},
+                    {"side", constraint.figure->is_minimum ? "min" : "max"},
+                    {"unit", constraint.figure->unit.symbol},
                     {"limit", constraint.limit},
                     {"value", constraint.figure->value(candidate.figures)}});
   }
@@ -74,13 +87,16 @@ json constraints_of(const DesignSpec& spec, const Candidate& candidate) {
 
 json describe_json(const DesignSpec& spec, const Design& design) {
   const DesignFigures& figures = design.candidate.figures;
-  json entry = summarize(design.candidate);
+  json entry = summarize(spec, design.candidate);
   entry["rated_stiffness"] = design.rated_stiffness;
   entry["worst_frequency_hz"] = figures.worst_frequency_hz;
   entry["damping_below_5_hz"] = figures.damping_below_5_hz;
   entry["yield"] = design.yield.value;
   entry["yield_low"] = design.yield.low;
   entry["yield_high"] = design.yield.high;
+  if (mentions_pre_emphasis(spec)) entry["emphasis_gain"] = figures.emphasis_gain;
+  entry["boundary"] = {{"damping", design.boundary.damping},
+                       {"max_stiffness", finite_or_nulls(design.boundary.max_stiffness)}};
   entry["constraints"] = constraints_of(spec, design.candidate);
   entry["bill_of_materials"] = make_bill(spec, design.candidate, design.extremes);
   if (spec.operation.speed > 0 || spec.operation.effort > 0) {
@@ -99,39 +115,71 @@ json binding_json(const std::optional<BindingConstraint>& binding) {
           {"unit", binding->unit.symbol}, {"topology", binding->topology}};
 }
 
-const Unit& unit_of(Motion motion, const std::string& variable) {
-  for (const Topology& topology : list_topologies(motion))
-    for (const DesignVariable& known : topology.variables)
-      if (name_of(topology, known) == variable) return known.unit;
+const Unit& unit_of(const DesignSpec& spec, const std::string& name) {
+  for (const DesignOption& option : spec.options)
+    for (const SoughtValue& known : option.values)
+      if (known.name == name) return known.unit;
   return dimension::none;
 }
 
-std::string describe_values(Motion motion, const json& values) {
+double number_or_infinite(const json& value) {
+  return value.is_null() ? HUGE_VAL : value.get<double>();
+}
+
+// Four digits are enough for people; the result has them all.
+std::string describe_number(double value, const Unit& unit) {
+  if (!std::isfinite(value) || value == 0) return format_quantity(value, unit);
+  const std::string rounded = fmt::format("{:.4g}", value);
+  return format_quantity(std::strtod(rounded.c_str(), nullptr), unit);
+}
+
+std::string describe_values(const DesignSpec& spec, const json& values) {
   std::vector<std::string> texts;
-  for (const auto& [name, value] : values.items())
-    texts.push_back(fmt::format("{} {}", name, format_quantity(value, unit_of(motion, name))));
+  for (const auto& [name, value] : values.items()) {
+    texts.push_back(value.is_boolean()
+                        ? fmt::format("{} {}", name, value.get<bool>() ? "on" : "off")
+                        : fmt::format("{} {}", name, format_quantity(value, unit_of(spec, name))));
+  }
   return join(texts);
 }
 
-std::string describe_bill(const json& bill, Motion motion) {
+std::string describe_bill(const json& bill) {
   std::string text = "\nbill of materials\n";
   for (const json& item : bill) {
-    const std::string name = item["name"];
-    text +=
-        fmt::format("  {} x {} {}", item["count"].get<int>(),
-                    format_quantity(item["value"], unit_of(motion, name)),
-                    item["part"] == "setting" ? "(set) " + name : item["part"].get<std::string>());
+    const bool is_part = item["part"] != "setting";
+    text += is_part
+                ? fmt::format("  {} x {} {}", item["count"].get<int>(),
+                              item["written"].get<std::string>(), item["part"].get<std::string>())
+                : fmt::format("  {} set to {}", item["name"].get<std::string>(),
+                              item["written"].get<std::string>());
     if (item.contains("tolerance"))
       text += fmt::format(" ± {:g} %", 100 * item["tolerance"].get<double>());
     if (item.contains("bipolar")) text += item["bipolar"].get<bool>() ? ", bipolar" : ", polarised";
     if (item.contains("arrangement")) text += ", " + item["arrangement"].get<std::string>();
     if (item.contains("peak_power"))
       text +=
-          fmt::format(", {} at its peak", format_quantity(item["peak_power"], dimension::power));
+          fmt::format(", {} at its peak", describe_number(item["peak_power"], dimension::power));
     if (item.contains("peak_voltage"))
       text += fmt::format(", {} at its peak",
-                          format_quantity(item["peak_voltage"], dimension::voltage));
+                          describe_number(item["peak_voltage"], dimension::voltage));
     text += "\n";
+  }
+  return text;
+}
+
+std::string describe_constraints(const DesignSpec& spec, const json& constraints) {
+  if (constraints.empty()) return "";
+  std::string text = "\nconstraints\n";
+  for (std::size_t i = 0; i < spec.constraints.size(); ++i) {
+    const DesignConstraint& constraint = spec.constraints[i];
+    const double value = constraints[i]["value"];
+    const double limit = constraint.limit;
+    const bool is_minimum = constraint.figure->is_minimum;
+    const double left = is_minimum ? value / limit - 1 : 1 - value / limit;
+    const Unit& unit = constraint.figure->unit;
+    text += fmt::format("  {:<20} {:>16}, {} {}: {:.3g} % left\n", constraint.figure->name,
+                        describe_number(value, unit), is_minimum ? "at least" : "at most",
+                        describe_number(limit, unit), 100 * left);
   }
   return text;
 }
@@ -163,9 +211,16 @@ json make_design_result(const DesignSpec& spec, const DesignStudy& study) {
     result["designs"].push_back(describe_json(spec, design));
   result["continuous"] = json::array();
   for (const Candidate& candidate : study.continuous)
-    result["continuous"].push_back(summarize(candidate));
+    result["continuous"].push_back(summarize(spec, candidate));
   result["pareto"] = json::array();
-  for (const Candidate& candidate : study.pareto) result["pareto"].push_back(summarize(candidate));
+  for (const Candidate& candidate : study.pareto)
+    result["pareto"].push_back(summarize(spec, candidate));
+  result["fronts"] = json::array();
+  for (const auto& [topology, points] : study.fronts) {
+    json front{{"topology", topology->name}, {"points", json::array()}};
+    for (const Candidate& candidate : points) front["points"].push_back(summarize(spec, candidate));
+    result["fronts"].push_back(std::move(front));
+  }
   result["virtual_damping"] = spec.damping;
   result["binding_constraint"] = binding_json(study.binding);
   return result;
@@ -174,25 +229,27 @@ json make_design_result(const DesignSpec& spec, const DesignStudy& study) {
 std::string describe_design(const DesignSpec& spec, const json& result) {
   if (!result["feasible"].get<bool>())
     return describe_infeasible(spec, result["binding_constraint"]);
-  const Motion motion = spec.model.device.motion;
-  const MotionUnits& units = units_of(motion);
+  const MotionUnits& units = units_of(spec.model.device.motion);
+  const json& designs = result["designs"];
   std::string text =
-      fmt::format("{}: {}\n\n{:>24} {:>14} {:>14} {:>18} {:>8}  {}\n", spec.model.name,
-                  describe_count(result["designs"].size(), "design"), "topology", "largest K",
-                  "rated K", "apparent inertia", "yield", "values");
-  for (const json& design : result["designs"]) {
-    text += fmt::format(
-        "{:>24} {:>14} {:>14} {:>18} {:>6.4g} %  {}\n", design["topology"].get<std::string>(),
-        format_quantity(design["max_stiffness"], units.stiffness),
-        format_quantity(design["rated_stiffness"], units.stiffness),
-        format_quantity(design["apparent_inertia"], units.inertia),
-        100 * design["yield"].get<double>(), describe_values(motion, design["values"]));
+      fmt::format("{}: {}, best first\n\n{:>3} {:>24} {:>14} {:>14} {:>18} {:>8}  {}\n",
+                  spec.model.name, describe_count(designs.size(), "design"), "", "topology",
+                  "largest K", "rated K", "apparent inertia", "yield", "values");
+  int number = 1;
+  for (const json& design : designs) {
+    text +=
+        fmt::format("{:>3} {:>24} {:>14} {:>14} {:>18} {:>6.4g} %  {}\n", number++,
+                    design["topology"].get<std::string>(),
+                    describe_number(number_or_infinite(design["max_stiffness"]), units.stiffness),
+                    describe_number(design["rated_stiffness"], units.stiffness),
+                    describe_number(design["apparent_inertia"], units.inertia),
+                    100 * design["yield"].get<double>(), describe_values(spec, design["values"]));
   }
-  if (result["designs"].size() > 1) {
-    text += fmt::format("\nThe second loses: {}.\n",
-                        result["designs"][1]["loses_because"].get<std::string>());
-  }
-  return text + describe_bill(result["designs"][0]["bill_of_materials"], motion);
+  if (designs.size() > 1) text += "\nwhy the others come after the first\n";
+  for (std::size_t i = 1; i < designs.size(); ++i)
+    text += fmt::format("  {}: {}\n", i + 1, designs[i]["loses_because"].get<std::string>());
+  return text + describe_bill(designs[0]["bill_of_materials"]) +
+         describe_constraints(spec, designs[0]["constraints"]);
 }
 
 }  // namespace gyrator

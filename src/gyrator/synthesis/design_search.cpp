@@ -28,13 +28,13 @@ class Searcher {
   Searcher(const DesignProblem& problem, const DesignConstraint* free,
            const std::function<void(std::size_t)>& advance)
       : problem_(problem), free_(free), advance_(advance) {
-    for (const DesignRange& range : problem.ranges()) {
-      low_.push_back(std::log(range.low));
-      high_.push_back(std::log(range.high));
+    for (const SoughtValue& value : problem.option().values) {
+      low_.push_back(std::log(value.range.low));
+      high_.push_back(std::log(value.range.high));
     }
   }
 
-  TopologySearch run() {
+  OptionSearch run() {
     scan();
     const int n = static_cast<int>(problem_.size());
     optimize(nlopt::GN_CRS2_LM, global_steps * n);
@@ -57,8 +57,8 @@ class Searcher {
   }
 
   Candidate make_candidate(std::vector<double> values) const {
-    Candidate candidate{&problem_.topology(), std::move(values), {}, {}};
-    candidate.figures = problem_.evaluate(candidate.values);
+    Candidate candidate{&problem_.option(), std::move(values), {}, {}};
+    candidate.figures = problem_.evaluate(candidate.values, LimitPrecision::on_grid, free_);
     candidate.merit = judge(problem_.spec(), candidate.figures, free_);
     return candidate;
   }
@@ -70,7 +70,7 @@ class Searcher {
   std::vector<double> values_at(const std::vector<double>& x) const {
     std::vector<double> values;
     for (std::size_t i = 0; i < x.size(); ++i) {
-      const auto [low, high] = problem_.ranges()[i];
+      const auto [low, high] = problem_.option().values[i].range;
       values.push_back(std::clamp(std::exp(x[i]), low, high));  // the ends without rounding
     }
     return values;
@@ -194,7 +194,7 @@ class Searcher {
   const DesignConstraint* free_;
   const std::function<void(std::size_t)>& advance_;
   std::vector<double> low_, high_;
-  TopologySearch result_;
+  OptionSearch result_;
   nlopt::opt optimizer_;
   std::exception_ptr failure_;
 };
@@ -202,12 +202,12 @@ class Searcher {
 }  // namespace
 
 std::size_t count_search_steps(const DesignProblem& problem) {
-  constexpr std::size_t refinement = 150;
+  constexpr std::size_t refinement = 150;  // mesh and lattice, for each variable
   return scan_points + problem.size() * (global_steps + local_steps + refinement);
 }
 
-TopologySearch search_topology(const DesignProblem& problem, const DesignConstraint* free,
-                               const std::function<void(std::size_t)>& advance) {
+OptionSearch search_option(const DesignProblem& problem, const DesignConstraint* free,
+                           const std::function<void(std::size_t)>& advance) {
   return Searcher(problem, free, advance).run();
 }
 

@@ -7,25 +7,25 @@
 
 namespace gyrator {
 
-/// Values for one topology, and what they are worth.
+/// Values for one option, and what they are worth.
 struct Candidate {
-  const Topology* topology = nullptr;
+  const DesignOption* option = nullptr;
   std::vector<double> values;
   DesignFigures figures;
   DesignMerit merit;
 };
 
-struct TopologySearch {
+struct OptionSearch {
   Candidate best;                     ///< of the lattice; of any values where there is no series
   Candidate continuous;               ///< best of any values
   std::vector<Candidate> on_lattice;  ///< all that can be had and was looked at
   std::vector<Candidate> seen;        ///< all
 };
 
-/// Steps of a search that its progress counts, for one topology; an estimate.
+/// Steps of a search that its progress counts, for one option; an estimate.
 std::size_t count_search_steps(const DesignProblem& problem);
 
-/// Searches one topology in the logarithms of its values, by the limit at the grid's frequencies:
+/// Searches one option in the logarithms of its values, by the limit at the grid's frequencies:
 ///   1. a jittered grid over the ranges                                        on all cores
 ///   2. controlled random search with local mutation (NLopt, CRS2) over them
 ///   3. Subplex (NLopt, SBPLX) from the best so far, then a mesh around it that is halved until its
@@ -34,7 +34,7 @@ std::size_t count_search_steps(const DesignProblem& problem);
 ///      their own merit: what is best there need not be the rounded best
 /// Random numbers come from the spec's seed alone; the result does not depend on the cores.
 /// `free` as in judge().
-TopologySearch search_topology(const DesignProblem& problem, const DesignConstraint* free = nullptr,
-                               const std::function<void(std::size_t)>& advance = {});
+OptionSearch search_option(const DesignProblem& problem, const DesignConstraint* free = nullptr,
+                           const std::function<void(std::size_t)>& advance = {});
 
 }  // namespace gyrator

@@ -23,10 +23,12 @@ inline constexpr const char* design_schema_name = "gyrator/design/1";
 /// temperatures each.
 struct DesignFigures {
   bool stable = false;            ///< alone, with the port free and held
+  bool has_limits = false;        ///< false: missed a constraint that is cheaper to judge
   double max_stiffness = 0;       ///< exact disk; mean over the virtual dampings, 0: none
   double least_stiffness = 0;     ///< the same, lowest of the virtual dampings
   double worst_frequency_hz = 0;  ///< where the lowest binds
   double apparent_inertia = 0;    ///< that the circuit adds below its corner [kg.m^2, kg]
+  double emphasis_gain = 1;       ///< largest |F| of the pre-emphasis up to Nyquist
   double damping_below_5_hz = 0;  ///< largest Re Z up to 5 Hz, the device's own included
   OperatingExtremes extremes;
 };
@@ -56,15 +58,32 @@ struct DesignRange {
   double low = 0, high = 0;
 };
 
+/// One number that is left to be chosen: of a circuit, or of the controller.
+struct SoughtValue {
+  std::string name;  ///< in ranges and results: "rc.resistance", "digital.velocity_cutoff"
+  DesignPart part = DesignPart::setting;
+  Unit unit;
+  DesignRange range;
+};
+
+/// One way that a spec leaves open: what is decided, and which numbers are then to be found.
+struct DesignOption {
+  const Topology* topology = nullptr;
+  bool pre_emphasis = false;
+  bool velocity_filter = false;     ///< the cut-off is sought, the last of `values`
+  std::vector<SoughtValue> values;  ///< the topology's variables first
+};
+inline constexpr const char* velocity_cutoff_name = "digital.velocity_cutoff";
+inline constexpr const char* pre_emphasis_name = "digital.pre_emphasis";
+
 /// A design as asked for, validated.
 struct DesignSpec {
   std::string file;  ///< for messages
   Model model;       ///< with the dampings that the design leaves alone
   DesignObjective objective = DesignObjective::stiffest;
   std::vector<double> damping;  ///< virtual dampings B, rising
-  std::vector<const Topology*> topologies;
+  std::vector<DesignOption> options;
   std::optional<PreferredSeries> series;  ///< none: parts of any value
-  std::map<std::string, DesignRange> ranges;
   std::vector<DesignConstraint> constraints;
   Operation operation;
   std::optional<DesignRange> winding_rise;  ///< temperatures of the winding [K]
@@ -86,8 +105,12 @@ DesignSpec load_design_spec(const std::string& path);
 /// The same from JSON that would stand in that file.
 DesignSpec parse_design_spec(const nlohmann::json& document, const std::string& path);
 
-/// The model with this damping added and the drive that the topology needs, as a model file.
-nlohmann::json make_designed_model(const DesignSpec& spec, const Topology& topology,
+/// The model with this damping added, the drive that the topology needs and the controller's
+/// settings, as a model file.
+nlohmann::json make_designed_model(const DesignSpec& spec, const DesignOption& option,
                                    const std::vector<nlohmann::json>& values);
+
+/// Whether the options differ in their pre-emphasis, or have any.
+bool mentions_pre_emphasis(const DesignSpec& spec);
 
 }  // namespace gyrator

@@ -4,10 +4,15 @@
 #include "gyrator/studies/limit_sampler.hpp"
 #include "gyrator/studies/parallel.hpp"
 #include "gyrator/studies/progress.hpp"
+#include "gyrator/studies/results.hpp"
+#include "gyrator/synthesis/design_reasons.hpp"
+#include "gyrator/synthesis/pareto_front.hpp"
+#include "gyrator/synthesis/rated_model.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -20,47 +25,12 @@ bool is_better(const Candidate& a, const Candidate& b) {
   return b.merit < a.merit;
 }
 
-// The same topology with all values within a tenth: no choice worth showing.
+// The same option with all values within a tenth: no choice worth showing.
 bool is_alike(const Candidate& a, const Candidate& b) {
-  if (a.topology != b.topology) return false;
+  if (a.option != b.option) return false;
   for (std::size_t i = 0; i < a.values.size(); ++i)
     if (std::abs(std::log(a.values[i] / b.values[i])) > 0.095) return false;
   return true;
-}
-
-// "470 uF" where that reads as the very same number, else all its digits.
-std::string write_value(double value, const Unit& unit) {
-  const std::string text = format_quantity(value, unit);
-  const auto reads_back = [&] { return parse_value(text, unit) == value; };
-  if (unit == dimension::none) return fmt::format("{:.17g}", value);
-  return reads_back() ? text : fmt::format("{:.17g} {}", value, unit.symbol);
-}
-
-// The candidate's model with its wall and tolerances.
-json write_model(const DesignSpec& spec, const Candidate& candidate, double stiffness) {
-  std::vector<json> values;
-  for (std::size_t i = 0; i < candidate.values.size(); ++i) {
-    const DesignVariable& variable = candidate.topology->variables[i];
-    const double tolerance = spec.tolerances.at(variable.part);
-    std::string text = write_value(candidate.values[i], variable.unit);
-    if (tolerance > 0) text += fmt::format(" ± {:g} %", 100 * tolerance);
-    if (variable.unit == dimension::none) {
-      values.emplace_back(candidate.values[i]);
-    } else {
-      values.emplace_back(std::move(text));
-    }
-  }
-  json model = make_designed_model(spec, *candidate.topology, values);
-  model["name"] = fmt::format("{}, {}", spec.model.name, candidate.topology->name);
-  if (!model.contains("controller")) model["controller"] = {{"kind", "virtual_wall"}};
-  model["controller"]["stiffness"] = stiffness;
-  model["controller"]["damping"] = spec.damping.front();
-  if (spec.winding_rise && spec.winding_rise->low < spec.winding_rise->high) {
-    model["motor"]["temperature_rise"] = fmt::format(
-        "{:.17g} K ({:.17g} K to {:.17g} K)", spec.model.device.drive.motor->temperature_rise,
-        spec.winding_rise->low, spec.winding_rise->high);
-  }
-  return model;
 }
 
 // Rounded down, for a wall that people read.
@@ -84,7 +54,8 @@ Share find_yield(const DesignProblem& problem, const json& document, Progress& p
         draw_values(model.parts.tolerances, spec.seed, i, SampleDistribution::uniform);
     bool kept = sampler.at(values, LimitSearch::on_grid).outcome == WallOutcome::passive;
     if (kept && !spec.constraints.empty()) {
-      const DesignFigures figures = problem.evaluate_port(sampler.box().at(values));
+      const DesignFigures figures =
+          problem.evaluate_port(sampler.box().at(values), model.controller);
       for (const DesignConstraint& constraint : spec.constraints)
         kept = kept && (constraint.figure->is_minimum || find_violation(constraint, figures) == 0);
     }
@@ -94,71 +65,27 @@ Share find_yield(const DesignProblem& problem, const json& document, Progress& p
   return compute_share(good, spec.samples);
 }
 
-// The next constraint that a candidate runs into, or the end of a range.
-std::string describe_end(const DesignSpec& spec, const Candidate& candidate) {
-  constexpr double near = 0.1;  // log of a tenth: steps of the series apart
-  std::string text;
-  const auto add = [&](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
-  for (const DesignConstraint& constraint : spec.constraints) {
-    const double value = constraint.figure->value(candidate.figures);
-    if (!(value > 0) || std::abs(std::log(value / constraint.limit)) > near) continue;
-    add(fmt::format("{} is at {:.3g} % of its limit", constraint.figure->name,
-                    100 * value / constraint.limit));
+// K over B of the model's device and controller, by the grid's limit.
+Boundary trace_boundary(const json& document, const DesignSpec& spec) {
+  constexpr int points = 25;
+  const Model model = parse_model(document, spec.model.file);
+  Boundary boundary{choose_damping_range(model, points), {}};
+  StiffnessLimits limits(model.device, model.sampling, model.sampled_controller(), FreeOperator{},
+                         GridDensity::coarse);
+  for (const double damping : boundary.damping) {
+    const StiffnessLimit limit = limits.find_on_grid(damping);
+    boundary.max_stiffness.push_back(limit.feasible ? limit.stiffness : 0);
   }
-  for (std::size_t i = 0; i < candidate.values.size(); ++i) {
-    const std::string name = name_of(*candidate.topology, candidate.topology->variables[i]);
-    const DesignRange& range = spec.ranges.at(name);
-    if (candidate.values[i] < range.low * (1 + near)) add(name + " is at the low end of its range");
-    if (candidate.values[i] > range.high * (1 - near))
-      add(name + " is at the high end of its range");
-  }
-  return text;
-}
-
-std::string describe_loss(const DesignSpec& spec, const Candidate& first, const Candidate& other) {
-  const bool stiffest = spec.objective == DesignObjective::stiffest;
-  const double change = stiffest
-                            ? 1 - other.figures.max_stiffness / first.figures.max_stiffness
-                            : other.figures.apparent_inertia / first.figures.apparent_inertia - 1;
-  std::string text = change < 5e-5 ? "as good"
-                                   : fmt::format("{:.3g} % {}", 100 * change,
-                                                 stiffest ? "less stiff" : "more apparent inertia");
-  if (const std::string end = describe_end(spec, other); !end.empty()) text += "; there " + end;
-  return text;
-}
-
-// No other is at least as stiff and at least as light. Apparent inertia alone is not bounded.
-std::vector<Candidate> find_pareto(const DesignSpec& spec, std::vector<Candidate> candidates) {
-  std::erase_if(candidates, [&](const Candidate& candidate) {
-    DesignMerit merit = candidate.merit;
-    for (const DesignConstraint& constraint : spec.constraints)
-      if (std::string_view(constraint.figure->name) == "apparent_inertia")
-        merit = judge(spec, candidate.figures, &constraint);
-    return !merit.feasible;
-  });
-  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-    const auto& f = a.figures;
-    const auto& g = b.figures;
-    return f.apparent_inertia != g.apparent_inertia ? f.apparent_inertia < g.apparent_inertia
-                                                    : f.max_stiffness > g.max_stiffness;
-  });
-  std::vector<Candidate> front;
-  for (Candidate& candidate : candidates) {
-    if (front.empty() || candidate.figures.max_stiffness > front.back().figures.max_stiffness)
-      front.push_back(std::move(candidate));
-  }
-  constexpr std::size_t most = 40;
-  if (front.size() <= most) return front;
-  std::vector<Candidate> thinned;
-  for (std::size_t i = 0; i < most; ++i)
-    thinned.push_back(front[i * (front.size() - 1) / (most - 1)]);
-  return thinned;
+  return boundary;
 }
 
 class Study {
  public:
   Study(const DesignSpec& spec, bool quiet) : spec_(spec), quiet_(quiet) {
-    for (const Topology* topology : spec.topologies) problems_.emplace_back(spec, *topology);
+    for (const DesignOption& option : spec.options) {
+      problems_.emplace_back(spec, option);
+      problems_.back().lattice();  // refuses a range without values before long work
+    }
   }
 
   DesignStudy run() {
@@ -174,38 +101,59 @@ class Study {
  private:
   const DesignProblem& problem_of(const Candidate& candidate) const {
     return *std::find_if(problems_.begin(), problems_.end(), [&](const DesignProblem& problem) {
-      return &problem.topology() == candidate.topology;
+      return &problem.option() == candidate.option;
     });
   }
 
-  void search() {
+  std::size_t count_steps() const {
     std::size_t steps = 0;
     for (const DesignProblem& problem : problems_) steps += count_search_steps(problem);
-    Progress progress("search", steps, quiet_);
-    std::vector<Candidate> seen;
-    for (const DesignProblem& problem : problems_) {
-      problem.lattice();  // refuses a range without values before long work
-      searches_.push_back(
-          search_topology(problem, nullptr, [&](std::size_t n) { progress.advance(n); }));
-      const TopologySearch& found = searches_.back();
-      if (found.continuous.merit.feasible) study_.continuous.push_back(found.continuous);
-      seen.insert(seen.end(), found.on_lattice.begin(), found.on_lattice.end());
-      seen.insert(seen.end(), found.seen.begin(), found.seen.end());
-    }
-    study_.pareto = find_pareto(spec_, std::move(seen));
+    return steps;
   }
 
-  // The best of each topology, then the next best that differ from them.
+  // The options side by side; each is searched by one thread with random numbers of its own.
+  void search() {
+    Progress progress("search", count_steps() + problems_.size() * sweep_steps, quiet_);
+    const auto advance = [&](std::size_t n) { progress.advance(n); };
+    searches_.resize(problems_.size());
+    std::vector<std::vector<Candidate>> swept(problems_.size());
+    run_parallel(problems_.size(), 0, [&](std::size_t i) {
+      searches_[i] = search_option(problems_[i], nullptr, advance);
+      swept[i] = sweep_inertia(problems_[i], searches_[i].on_lattice, advance);
+    });
+    std::vector<Candidate> all;
+    std::vector<Candidate> of_topology;
+    for (std::size_t i = 0; i < searches_.size(); ++i) {
+      if (searches_[i].continuous.merit.feasible)
+        study_.continuous.push_back(searches_[i].continuous);
+      all.insert(all.end(), swept[i].begin(), swept[i].end());
+      of_topology.insert(of_topology.end(), swept[i].begin(), swept[i].end());
+      const Topology* topology = spec_.options[i].topology;
+      if (i + 1 < spec_.options.size() && spec_.options[i + 1].topology == topology) continue;
+      study_.fronts.push_back({topology, find_pareto(spec_, std::exchange(of_topology, {}))});
+    }
+    study_.pareto = find_pareto(spec_, std::move(all));
+  }
+
+  // The best of each topology, the best of each option, then the next best that differ from them.
   std::vector<Candidate> choose() const {
     std::vector<Candidate> chosen;
     std::vector<Candidate> rest;
-    for (const TopologySearch& found : searches_) {
-      if (found.best.merit.feasible) chosen.push_back(found.best);
+    for (const OptionSearch& found : searches_) {
       for (const Candidate& candidate : found.on_lattice)
         if (candidate.merit.feasible) rest.push_back(candidate);
     }
     std::stable_sort(rest.begin(), rest.end(), is_better);
-    std::stable_sort(chosen.begin(), chosen.end(), is_better);
+    const auto add_best_of_each = [&](const auto& kind) {
+      for (const Candidate& candidate : rest) {
+        const bool known = std::any_of(chosen.begin(), chosen.end(), [&](const Candidate& other) {
+          return kind(*candidate.option) == kind(*other.option);
+        });
+        if (!known) chosen.push_back(candidate);
+      }
+    };
+    add_best_of_each([](const DesignOption& option) { return option.topology; });
+    add_best_of_each([](const DesignOption& option) { return &option; });
     for (const Candidate& candidate : rest) {
       if (chosen.size() >= spec_.count) break;
       const bool known = std::any_of(chosen.begin(), chosen.end(), [&](const Candidate& other) {
@@ -213,7 +161,6 @@ class Study {
       });
       if (!known) chosen.push_back(candidate);
     }
-    std::stable_sort(chosen.begin(), chosen.end(), is_better);
     if (chosen.size() > spec_.count) chosen.resize(spec_.count);
     return chosen;
   }
@@ -230,16 +177,25 @@ class Study {
   void report(const std::vector<Candidate>& chosen) {
     Progress progress("yield", chosen.size() * spec_.samples, quiet_);
     for (const Candidate& candidate : chosen) {
-      Design design{candidate, rated_stiffness(candidate), {}, {}, {}, {}};
-      const Device device = problem_of(candidate).make_device(candidate.values);
-      design.extremes =
-          compute_operating_extremes(device, device.drive.damping.size() - 1, spec_.operation);
-      design.model = write_model(spec_, candidate, design.rated_stiffness);
-      design.yield = find_yield(problem_of(candidate), design.model, progress);
-      if (&candidate != chosen.data())
-        design.reason = describe_loss(spec_, chosen.front(), candidate);
+      Design design;
+      design.candidate = candidate;
+      design.rated_stiffness = rated_stiffness(candidate);
+      const DesignProblem& problem = problem_of(candidate);
+      const Device device = problem.make_device(candidate.values);
+      const Controller controller = problem.make_controller(device, candidate.values);
+      design.extremes = compute_operating_extremes(
+          device, device.drive.damping.size() - 1, spec_.operation,
+          {make_output_law(controller), spec_.model.sampling.period.to_double()});
+      design.model = make_rated_model(spec_, candidate, design.rated_stiffness);
+      design.boundary = trace_boundary(design.model, spec_);
+      design.yield = find_yield(problem, design.model, progress);
       study_.designs.push_back(std::move(design));
     }
+    std::stable_sort(study_.designs.begin(), study_.designs.end(),
+                     [&](const Design& a, const Design& b) { return goes_before(spec_, a, b); });
+    for (Design& design : study_.designs)
+      if (&design != study_.designs.data())
+        design.reason = describe_loss(spec_, study_.designs.front(), design);
   }
 
   double rated_stiffness(const Candidate& candidate) const {
@@ -250,27 +206,39 @@ class Study {
   // Of the constraints that would make a design feasible by giving way alone, the one that has to
   // give least; where none would, the one that the nearest candidate misses most.
   std::optional<BindingConstraint> find_binding() const {
+    Progress progress("what would have to give", spec_.constraints.size() * count_steps(), quiet_);
+    const std::size_t trials = spec_.constraints.size() * problems_.size();
+    std::vector<Candidate> found(trials);
+    run_parallel(trials, 0, [&](std::size_t i) {
+      const DesignConstraint& constraint = spec_.constraints[i / problems_.size()];
+      found[i] = search_option(problems_[i % problems_.size()], &constraint, [&](std::size_t n) {
+                   progress.advance(n);
+                 }).best;
+    });
     std::optional<BindingConstraint> binding;
     double least = HUGE_VAL;
-    for (const DesignConstraint& constraint : spec_.constraints) {
-      for (const DesignProblem& problem : problems_) {
-        const Candidate found = search_topology(problem, &constraint).best;
-        if (!found.merit.feasible || -found.merit.score >= least || -found.merit.score >= hopeless)
-          continue;
-        least = -found.merit.score;
-        binding = make_binding(constraint, found, true);
-      }
+    for (std::size_t i = 0; i < trials; ++i) {
+      const DesignMerit& merit = found[i].merit;
+      if (!merit.feasible || -merit.score >= least || -merit.score >= hopeless) continue;
+      least = -merit.score;
+      binding = make_binding(spec_.constraints[i / problems_.size()], found[i], true);
     }
-    if (binding) return binding;
+    return binding ? binding : name_worst_missed();
+  }
+
+  std::optional<BindingConstraint> name_worst_missed() const {
     const Candidate* nearest = nullptr;
-    for (const TopologySearch& found : searches_)
+    for (const OptionSearch& found : searches_)
       if (!nearest || is_better(found.best, *nearest)) nearest = &found.best;
+    Candidate judged = *nearest;
+    judged.figures = problem_of(judged).evaluate(judged.values, LimitPrecision::proved);
+    std::optional<BindingConstraint> binding;
     double worst = 0;
     for (const DesignConstraint& constraint : spec_.constraints) {
-      const double violation = find_violation(constraint, nearest->figures);
+      const double violation = find_violation(constraint, judged.figures);
       if (violation <= worst) continue;
       worst = violation;
-      binding = make_binding(constraint, *nearest, false);
+      binding = make_binding(constraint, judged, false);
     }
     return binding;
   }
@@ -282,13 +250,13 @@ class Study {
             constraint.limit,
             constraint.figure->value(candidate.figures),
             alone,
-            candidate.topology->name};
+            candidate.option->topology->name};
   }
 
   const DesignSpec& spec_;
   bool quiet_;
   std::vector<DesignProblem> problems_;
-  std::vector<TopologySearch> searches_;
+  std::vector<OptionSearch> searches_;
   DesignStudy study_;
 };
 

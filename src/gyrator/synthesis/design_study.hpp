@@ -9,6 +9,11 @@
 
 namespace gyrator {
 
+/// Largest passive stiffness over virtual damping.
+struct Boundary {
+  std::vector<double> damping, max_stiffness;
+};
+
 /// A design as reported: parts that can be had, its limit proved.
 struct Design {
   Candidate candidate;
@@ -16,7 +21,14 @@ struct Design {
   Share yield;
   OperatingExtremes extremes;  ///< at rest temperature, during the spec's operation
   nlohmann::json model;        ///< the file that reproduces it
+  Boundary boundary;           ///< of its device and controller, for pictures
   std::string reason;          ///< why it loses against the first; empty for the first
+};
+
+/// What one topology can do: the lightest of each stiffness.
+struct TopologyFront {
+  const Topology* topology = nullptr;
+  std::vector<Candidate> points;
 };
 
 /// Why nothing is feasible.
@@ -31,8 +43,9 @@ struct BindingConstraint {
 
 struct DesignStudy {
   std::vector<Design> designs;        ///< best first; none: infeasible
-  std::vector<Candidate> continuous;  ///< best of each topology without a series
+  std::vector<Candidate> continuous;  ///< best of each option without a series
   std::vector<Candidate> pareto;      ///< stiffness against apparent inertia, the lightest first
+  std::vector<TopologyFront> fronts;  ///< the same of each topology by itself
   std::optional<BindingConstraint> binding;  ///< where infeasible and a constraint is to blame
 };
 

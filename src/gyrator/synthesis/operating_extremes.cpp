@@ -28,24 +28,27 @@ struct Responses {
   }
 };
 
+// The command with the gain that its stage gives it.
 Responses solve_responses(const DeviceNetwork& device, const NetworkEquations& equations,
-                          double frequency_hz) {
+                          double frequency_hz, const CommandStage& stage) {
   const std::complex<double> s(0, 2 * std::numbers::pi * frequency_hz);
   const Eigen::MatrixXcd by_input = solve_descriptor(equations.descriptor(), s);
   const LinearForm velocity = equations.across(device.port);
   const auto velocity_by = [&](int input) { return (velocity.x * by_input.col(input))(0); };
   Eigen::MatrixXcd inputs = Eigen::MatrixXcd::Zero(by_input.cols(), 2);
   inputs(device.external_effort, 0) = 1.0 / velocity_by(device.external_effort);
-  inputs(device.command, 1) = 1;
+  const double gain = std::abs(stage.law.response(std::exp(s * stage.period)));
+  inputs(device.command, 1) = gain;
   inputs(device.external_effort, 1) =
-      -velocity_by(device.command) / velocity_by(device.external_effort);
+      -gain * velocity_by(device.command) / velocity_by(device.external_effort);
   return {by_input * inputs, inputs};
 }
 
 }  // namespace
 
 OperatingExtremes compute_operating_extremes(const Device& device, std::size_t index,
-                                             const Operation& operation) {
+                                             const Operation& operation,
+                                             const CommandStage& stage) {
   const DeviceNetwork network = build_device_network(device, FreeOperator{});
   const NetworkEquations equations(network.network);
   const std::string parts = fmt::format("damping.{}.", index);
@@ -54,7 +57,7 @@ OperatingExtremes compute_operating_extremes(const Device& device, std::size_t i
   for (int i = 0; i < frequencies; ++i) {
     const double hz =
         at_rest_hz * std::pow(operation.frequency_hz / at_rest_hz, i / (frequencies - 1.0));
-    const Responses responses = solve_responses(network, equations, hz);
+    const Responses responses = solve_responses(network, equations, hz, stage);
     const auto raise = [&](double& peak, const LinearForm& form) {
       peak = std::max(peak, responses.worst(form, operation));
     };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "gyrator/controllers/discrete_state_space.hpp"
 #include "gyrator/mechanics/device.hpp"
 
 #include <cstddef>
@@ -20,12 +21,19 @@ struct OperatingExtremes {
   double amplifier_voltage = 0, amplifier_current = 0;  ///< peaks [V], [A]
 };
 
+/// What the command passes before it is held: of the law [z] at the controller's period [s].
+struct CommandStage {
+  DiscreteStateSpace law = make_gain(1);
+  double period = 1e-3;
+};
+
 /// From the network itself, with the port's velocity v imposed and the command u: each quantity is
-///   q = q_v(s) v + q_u(s) u,   at worst |q_v| speed + |q_u| effort                  (extreme-1)
-/// in whatever phase the two come, and over the frequencies from rest to the operation's. Parts are
-/// those of the damping `index` of the drive. The power is (peak current)² R: a steady motion
-/// heats with all of it, an alternating one with half.
+///   q = q_v(s) v + q_u(s) F u,   at worst |q_v| speed + |q_u F| effort              (extreme-1)
+/// F(e^(sT)) the output stage, in whatever phase the two come, and over the frequencies from rest
+/// to the operation's. Parts are those of the damping `index` of the drive. The power is (peak
+/// current)² R: a steady motion heats with all of it, an alternating one with half.
 OperatingExtremes compute_operating_extremes(const Device& device, std::size_t index,
-                                             const Operation& operation);
+                                             const Operation& operation,
+                                             const CommandStage& stage = {});
 
 }  // namespace gyrator

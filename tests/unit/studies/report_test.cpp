@@ -27,7 +27,7 @@ std::vector<json> all_samples() {
   return {sample_passivity(), sample_zwidth(),        sample_simulate(),  sample_compare(),
           sample_impedance(), sample_stability_map(), sample_tolerance(), sample_two_port(),
           sample_envelope(),  sample_environment(),   sample_workspace(), sample_identification(),
-          sample_tuning()};
+          sample_tuning(),    sample_design()};
 }
 
 /// What a reader sees: scripts and tags taken out.

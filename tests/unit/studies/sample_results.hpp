@@ -127,6 +127,35 @@ inline nlohmann::json sample_compare() {
   return result;
 }
 
+inline nlohmann::json sample_design() {
+  auto result = sample_base("design");
+  const nlohmann::json point{{"apparent_inertia", 1e-7}, {"max_stiffness", 0.11}};
+  result["feasible"] = true;
+  result["virtual_damping"] = {1e-4};
+  result["fronts"] = {{{"topology", "rc"}, {"points", {point}}}};
+  result["designs"] = {{{"topology", "rc"},
+                        {"values", {{"rc.resistance", 2.4}, {"digital.pre_emphasis", true}}},
+                        {"max_stiffness", 0.11},
+                        {"rated_stiffness", 0.099},
+                        {"apparent_inertia", 1e-7},
+                        {"yield", 0.82},
+                        {"constraints",
+                         {{{"name", "apparent_inertia"},
+                           {"side", "max"},
+                           {"unit", "kg.m^2"},
+                           {"value", 1e-7},
+                           {"limit", 2e-7}}}},
+                        {"bill_of_materials",
+                         {{{"name", "rc.resistance"},
+                           {"part", "resistor"},
+                           {"count", 1},
+                           {"written", "2.4 ohm"},
+                           {"tolerance", 0.01}}}},
+                        {"boundary", {{"damping", {0, 1e-4}}, {"max_stiffness", {0.001, 0.11}}}},
+                        {"loses_because", nullptr}}};
+  return result;
+}
+
 /// Two renderings, one of which breaks the third condition.
 inline nlohmann::json sample_two_port() {
   auto result = sample_base("twoport");

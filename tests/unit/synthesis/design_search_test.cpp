@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "support/design_problems.hpp"
+
 namespace gyrator {
 namespace {
 
@@ -33,7 +35,7 @@ TEST(DesignProblem, FiguresOfAnRcAreTheClosedForms) {
   document["operation"] = {{"speed", 50}, {"effort", 0.01}, {"frequency", 10}};
   document["constraints"] = {{"capacitor_voltage", {{"max", 100}}}};
   const DesignSpec spec = parse(document);
-  const DesignProblem problem(spec, *spec.topologies.front());
+  const DesignProblem problem(spec, spec.options.front());
   const double C = 470e-6;
   const DesignFigures figures = problem.evaluate(std::vector<double>{4.7, C});
   ASSERT_TRUE(figures.stable);
@@ -62,12 +64,15 @@ TEST(DesignProblem, AConstraintHoldsOnOneSideOfItsLimitOnly) {
     json document = rc_spec();
     document["constraints"] = {{"apparent_inertia", {{"max", factor * inertia}}}};
     const DesignSpec spec = parse(document);
-    const DesignProblem problem(spec, *spec.topologies.front());
+    const DesignProblem problem(spec, spec.options.front());
     const DesignFigures figures = problem.evaluate(std::vector<double>{4.7, 470e-6});
     EXPECT_EQ(judge(spec, figures).feasible, factor > 1);
     EXPECT_NEAR(find_violation(spec.constraints.front(), figures),
                 factor > 1 ? 0 : -std::log(factor), 1e-6);
-    EXPECT_TRUE(judge(spec, figures, spec.constraints.data()).feasible);
+    const DesignConstraint* free = spec.constraints.data();
+    const DesignFigures freed =
+        problem.evaluate(std::vector<double>{4.7, 470e-6}, LimitPrecision::on_grid, free);
+    EXPECT_TRUE(judge(spec, freed, free).feasible);
   }
 }
 
@@ -77,8 +82,8 @@ TEST(DesignProblem, TheWorstOverTheWindingsTemperaturesCounts) {
   const DesignSpec cold = parse(document);
   document["winding_rise"] = {"-20 K", "60 K"};
   const DesignSpec wide = parse(document);
-  const double own = DesignProblem(cold, *cold.topologies.front()).evaluate(values).max_stiffness;
-  const double worst = DesignProblem(wide, *wide.topologies.front()).evaluate(values).max_stiffness;
+  const double own = DesignProblem(cold, cold.options.front()).evaluate(values).max_stiffness;
+  const double worst = DesignProblem(wide, wide.options.front()).evaluate(values).max_stiffness;
   // Bound at rest, where K = (b + B)/(T/2 + R_m C + lag of the amplifier): the warm winding.
   const auto lag = [](double rise) {
     const double resistance = R_m * (1 + copper_temperature_coefficient * rise);
@@ -94,8 +99,18 @@ TEST(DesignProblem, ACancellationThatOscillatesWhenColdIsNoDesign) {
   document["winding_rise"] = {"-30 K", "0 K"};
   const DesignSpec cold = parse(document);
   const std::vector<double> values{0.9};
-  EXPECT_TRUE(DesignProblem(warm, *warm.topologies.front()).evaluate(values).stable);
-  EXPECT_FALSE(DesignProblem(cold, *cold.topologies.front()).evaluate(values).stable);
+  EXPECT_TRUE(DesignProblem(warm, warm.options.front()).evaluate(values).stable);
+  EXPECT_FALSE(DesignProblem(cold, cold.options.front()).evaluate(values).stable);
+}
+
+TEST(DesignSearch, NoPairOfAFineLatticeIsBetter) {
+  for (std::uint64_t i = 0; i < 4; ++i) {
+    const DesignSpec spec = testing::make_design_problem(i);
+    const DesignProblem problem(spec, spec.options.front());
+    const Candidate found = search_option(problem).best;
+    ASSERT_TRUE(found.merit.feasible) << i;
+    EXPECT_FALSE(found.merit < testing::try_all_pairs(problem, 60)) << i;
+  }
 }
 
 // The series' best by trying all of it.
@@ -125,9 +140,9 @@ TEST(DesignSearch, FindsTheBestOfAllPairsInTenProblems) {
         {"apparent_inertia", {{"max", std::pow(10, 1.5 * random.uniform() - 7.5)}}}};
     document["seed"] = i + 1;
     const DesignSpec spec = parse(document);
-    const DesignProblem problem(spec, *spec.topologies.front());
+    const DesignProblem problem(spec, spec.options.front());
     const DesignMerit best = try_all(problem);
-    const TopologySearch found = search_topology(problem);
+    const OptionSearch found = search_option(problem);
     EXPECT_EQ(found.best.merit.feasible, best.feasible) << i;
     EXPECT_DOUBLE_EQ(found.best.merit.score, best.score) << i;
     EXPECT_FALSE(found.continuous.merit < found.best.merit) << i;
