@@ -79,7 +79,7 @@ std::vector<PortResponse> compute_port_response(const Device& device,
   std::vector<PortResponse> responses;
   responses.reserve(frequency_hz.size());
   for (const double frequency : frequency_hz) {
-    throw_if_interrupted("impedance");
+    throw_if_interrupted("frequency response");
     const double omega = 2 * std::numbers::pi * frequency;
     const Eigen::MatrixXcd& x = response.solve(Complex(0, omega));
     Eigen::MatrixXcd admittance(2, x.cols());

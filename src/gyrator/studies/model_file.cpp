@@ -2,6 +2,7 @@
 
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/quantity.hpp"
+#include "gyrator/documents/document_kind.hpp"
 #include "gyrator/documents/document_reader.hpp"
 #include "gyrator/documents/json_text.hpp"
 #include "gyrator/mechanics/actuation_roots.hpp"
@@ -163,6 +164,7 @@ Controller Model::sampled_controller() const {
 }
 
 Model parse_model(const json& document, const std::string& file) {
+  check_document_kind(document, model_schema_name, file);
   const ReadDocument read = read_document_with_tolerances(document, model_format(), file);
   const json& m = read.normal;
   Model model;

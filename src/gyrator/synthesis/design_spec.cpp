@@ -1,6 +1,7 @@
 #include "gyrator/synthesis/design_spec.hpp"
 
 #include "gyrator/core/error.hpp"
+#include "gyrator/documents/document_kind.hpp"
 #include "gyrator/documents/document_reader.hpp"
 #include "gyrator/documents/json_text.hpp"
 #include "gyrator/passivity/held_limit.hpp"
@@ -198,12 +199,17 @@ DesignSpec load_design_spec(const std::string& path) {
 }
 
 DesignSpec parse_design_spec(const json& document, const std::string& path) {
+  check_document_kind(document, design_schema_name, path);
   const json read = read_document(document, design_format(), path);
   DesignSpec spec;
   spec.file = path;
   spec.source = document;
   const auto model_path =
       std::filesystem::path(path).parent_path() / read["model"].get<std::string>();
+  if (!std::filesystem::exists(model_path)) {
+    refuse(path + ": /model", fmt::format("'{}': there is no such file beside the spec",
+                                          read["model"].get<std::string>()));
+  }
   spec.model = load_device(model_path.string());
   const std::string motion = terms_of(spec.model.device.motion).name;
   if (read["motion"] != motion)
