@@ -191,8 +191,7 @@ class Study {
       design.yield = find_yield(problem, design.model, progress);
       study_.designs.push_back(std::move(design));
     }
-    std::stable_sort(study_.designs.begin(), study_.designs.end(),
-                     [&](const Design& a, const Design& b) { return goes_before(spec_, a, b); });
+    sort_designs(spec_, study_.designs);
     for (Design& design : study_.designs)
       if (&design != study_.designs.data())
         design.reason = describe_loss(spec_, study_.designs.front(), design);
