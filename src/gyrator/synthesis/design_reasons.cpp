@@ -101,6 +101,34 @@ void sort_designs(const DesignSpec& spec, std::vector<Design>& designs) {
   }
 }
 
+const DesignConstraint* find_worst_missed(const DesignSpec& spec, const DesignFigures& figures) {
+  const DesignConstraint* missed = nullptr;
+  double worst = 0;
+  for (const DesignConstraint& constraint : spec.constraints) {
+    const double violation = find_violation(constraint, figures);
+    if (violation <= worst) continue;
+    worst = violation;
+    missed = &constraint;
+  }
+  return missed;
+}
+
+std::string describe_miss(const DesignSpec& spec, const DesignFigures& figures) {
+  const DesignConstraint* missed = find_worst_missed(spec, figures);
+  if (!missed || !figures.stable) {
+    return spec.constraints.empty()
+               ? "no values were found with which any stiffness is passive"
+               : "no values were found that keep every constraint and with which any stiffness is "
+                 "passive";
+  }
+  const BoundedFigure& figure = *missed->figure;
+  return fmt::format(
+      "no values were found that keep every constraint; the nearest have {} {:.4g} {}, "
+      "{} {:.4g} {} is asked for",
+      figure.name, figure.value(figures), figure.unit.symbol,
+      figure.is_minimum ? "at least" : "at most", missed->limit, figure.unit.symbol);
+}
+
 std::string describe_loss(const DesignSpec& spec, const Design& first, const Design& other) {
   const bool stiffest = spec.objective == DesignObjective::stiffest;
   const double loss = find_loss(spec, first, other);
