@@ -1,6 +1,7 @@
 """gyrator design: a spec in, parts out, and what becomes of the promise."""
 import json
 import random
+import re
 
 from program import EXAMPLES, ProgramTest, ROOT
 
@@ -133,6 +134,25 @@ class DesignTest(ProgramTest):
         binding = result["binding_constraint"]
         self.assertIn(binding["name"], ("max_stiffness", "apparent_inertia"))
         self.assertFalse((self.folder / "designed.json").exists())
+
+    def test_a_topology_without_a_design_is_named_with_what_it_misses(self):
+        # A resistor of any size in the ranges damps slow motion by K_t^2/(R + R_m) and more than is allowed;
+        # the largest, 10 ohm, least.
+        document = spec(topologies=["resistor", "rc"],
+                        ranges={"resistor.resistance": [1, 10], "rc.capacitance": ["10 uF", "10 mF"]},
+                        constraints={"damping_below_5_hz": {"max": "5 uN.m.s/rad"}})
+        name = self.write_model(document, "spec.json")
+        answer = self.run_program("design", name, "-o", "result.json", timeout=120)
+        self.assertEqual(answer.code, 0, answer)
+        result = json.loads((self.folder / "result.json").read_text())
+        (missing,) = result["infeasible"]
+        self.assertEqual(missing["topology"], "resistor")
+        least = TORQUE_CONSTANT**2 / (10 + 2.06) + 1.2e-6
+        said = re.search(r"damping_below_5_hz (\S+) N.m.s/rad, at most 5e-06 N.m.s/rad", missing["because"])
+        self.assertIsNotNone(said, missing)
+        self.assertAlmostEqual(float(said[1]) / least, 1, delta=1e-3)  # four digits
+        self.assertIn(f"without a design\n  resistor: {missing['because']}\n", answer.out)
+        self.assertEqual(self.design(constraints={"apparent_inertia": {"max": "2e-7 kg.m^2"}})["infeasible"], [])
 
     def test_the_stiffness_that_is_missing_is_what_there_is(self):
         most = self.design()["designs"][0]["max_stiffness"]

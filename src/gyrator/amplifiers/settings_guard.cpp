@@ -26,12 +26,23 @@ SettingsGuard::SettingsGuard(Bench& bench, const std::vector<std::string>& value
   for (const std::string& name : disturbing) found.push_back({name, bench.read_setting(name)});
   try {
     for (const Setting& each : found) {
+      switches_.push_back(each);  // first: a write may act although its answer is lost
       if (each.value != 0) bench.write_setting(each.name, 0);
-      switches_.push_back(each);
     }
   } catch (...) {
-    put_back_quietly();
+    close_again_quietly();
     throw;
+  }
+}
+
+// No value has been written by now, and what could not be switched off is on still.
+void SettingsGuard::close_again_quietly() noexcept {
+  try {
+    for (auto each = switches_.rbegin(); each != switches_.rend(); ++each)
+      if (bench_.read_setting(each->name) != each->value)
+        bench_.write_setting(each->name, each->value);
+  } catch (const std::exception&) {
+    // As in put_back_quietly().
   }
 }
 

@@ -37,6 +37,7 @@ class SettingsGuard {
 
  private:
   void put_back_quietly() noexcept;
+  void close_again_quietly() noexcept;
 
   Bench& bench_;
   std::vector<Setting> switches_, values_;  // as they were

@@ -2,7 +2,9 @@
 
 #include "gyrator/core/text.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <vector>
 
 #include <fmt/core.h>
@@ -79,13 +81,52 @@ int count_parts(const DesignSpec& spec, const DesignOption& option) {
   return parts;
 }
 
-bool goes_before(const DesignSpec& spec, const Design& a, const Design& b) {
-  if (std::abs(find_loss(spec, a, b)) > equal) return b.candidate.merit < a.candidate.merit;
-  if (a.yield.value != b.yield.value) return a.yield.value > b.yield.value;
-  const int parts = count_parts(spec, *a.candidate.option);
-  const int others = count_parts(spec, *b.candidate.option);
-  if (parts != others) return parts < others;
-  return a.candidate.figures.apparent_inertia < b.candidate.figures.apparent_inertia;
+// "Equal within a millionth" is no order by itself, since it does not pass on from one pair to the
+// next: hence groups that begin with the best that is left.
+void sort_designs(const DesignSpec& spec, std::vector<Design>& designs) {
+  std::stable_sort(designs.begin(), designs.end(), [](const Design& a, const Design& b) {
+    return b.candidate.merit < a.candidate.merit;
+  });
+  const auto rank = [&](const Design& design) {
+    return std::tuple(-design.yield.value, count_parts(spec, *design.candidate.option),
+                      design.candidate.figures.apparent_inertia);
+  };
+  for (auto first = designs.begin(); first != designs.end();) {
+    const auto end = std::find_if(first, designs.end(), [&](const Design& other) {
+      return find_loss(spec, *first, other) > equal;
+    });
+    std::stable_sort(first, end,
+                     [&](const Design& a, const Design& b) { return rank(a) < rank(b); });
+    first = end;
+  }
+}
+
+const DesignConstraint* find_worst_missed(const DesignSpec& spec, const DesignFigures& figures) {
+  const DesignConstraint* missed = nullptr;
+  double worst = 0;
+  for (const DesignConstraint& constraint : spec.constraints) {
+    const double violation = find_violation(constraint, figures);
+    if (violation <= worst) continue;
+    worst = violation;
+    missed = &constraint;
+  }
+  return missed;
+}
+
+std::string describe_miss(const DesignSpec& spec, const DesignFigures& figures) {
+  const DesignConstraint* missed = find_worst_missed(spec, figures);
+  if (!missed || !figures.stable) {
+    return spec.constraints.empty()
+               ? "no values were found with which any stiffness is passive"
+               : "no values were found that keep every constraint and with which any stiffness is "
+                 "passive";
+  }
+  const BoundedFigure& figure = *missed->figure;
+  return fmt::format(
+      "no values were found that keep every constraint; the nearest have {} {:.4g} {}, "
+      "{} {:.4g} {} is asked for",
+      figure.name, figure.value(figures), figure.unit.symbol,
+      figure.is_minimum ? "at least" : "at most", missed->limit, figure.unit.symbol);
 }
 
 std::string describe_loss(const DesignSpec& spec, const Design& first, const Design& other) {

@@ -184,6 +184,15 @@ std::string describe_constraints(const DesignSpec& spec, const json& constraints
   return text;
 }
 
+// Topologies that were asked for and are not among the designs.
+std::string describe_missing(const json& infeasible) {
+  std::string text = infeasible.empty() ? "" : "\nwithout a design\n";
+  for (const json& missing : infeasible)
+    text += fmt::format("  {}: {}\n", missing["topology"].get<std::string>(),
+                        missing["because"].get<std::string>());
+  return text;
+}
+
 std::string describe_infeasible(const DesignSpec& spec, const json& binding) {
   if (binding.is_null())
     return spec.model.name +
@@ -221,6 +230,9 @@ json make_design_result(const DesignSpec& spec, const DesignStudy& study) {
     for (const Candidate& candidate : points) front["points"].push_back(summarize(spec, candidate));
     result["fronts"].push_back(std::move(front));
   }
+  result["infeasible"] = json::array();
+  for (const auto& [topology, because] : study.infeasible)
+    result["infeasible"].push_back({{"topology", topology->name}, {"because", because}});
   result["virtual_damping"] = spec.damping;
   result["binding_constraint"] = binding_json(study.binding);
   return result;
@@ -248,7 +260,8 @@ std::string describe_design(const DesignSpec& spec, const json& result) {
   if (designs.size() > 1) text += "\nwhy the others come after the first\n";
   for (std::size_t i = 1; i < designs.size(); ++i)
     text += fmt::format("  {}: {}\n", i + 1, designs[i]["loses_because"].get<std::string>());
-  return text + describe_bill(designs[0]["bill_of_materials"]) +
+  return text + describe_missing(result["infeasible"]) +
+         describe_bill(designs[0]["bill_of_materials"]) +
          describe_constraints(spec, designs[0]["constraints"]);
 }
 

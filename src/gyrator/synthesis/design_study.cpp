@@ -94,6 +94,7 @@ class Study {
     prove(chosen);
     prove(study_.continuous);
     report(chosen);
+    explain_infeasible();
     if (chosen.empty()) study_.binding = find_binding();
     return std::move(study_);
   }
@@ -191,11 +192,27 @@ class Study {
       design.yield = find_yield(problem, design.model, progress);
       study_.designs.push_back(std::move(design));
     }
-    std::stable_sort(study_.designs.begin(), study_.designs.end(),
-                     [&](const Design& a, const Design& b) { return goes_before(spec_, a, b); });
+    sort_designs(spec_, study_.designs);
     for (Design& design : study_.designs)
       if (&design != study_.designs.data())
         design.reason = describe_loss(spec_, study_.designs.front(), design);
+  }
+
+  // The options of a topology stand together.
+  void explain_infeasible() {
+    const Candidate* nearest = nullptr;
+    for (std::size_t i = 0; i < searches_.size(); ++i) {
+      const Candidate& best = searches_[i].best;
+      if (!nearest || is_better(best, *nearest)) nearest = &best;
+      const Topology* topology = spec_.options[i].topology;
+      if (i + 1 < spec_.options.size() && spec_.options[i + 1].topology == topology) continue;
+      if (!nearest->merit.feasible) {
+        const DesignFigures figures =
+            problem_of(*nearest).evaluate(nearest->values, LimitPrecision::proved);
+        study_.infeasible.push_back({topology, describe_miss(spec_, figures)});
+      }
+      nearest = nullptr;
+    }
   }
 
   double rated_stiffness(const Candidate& candidate) const {
@@ -232,15 +249,8 @@ class Study {
       if (!nearest || is_better(found.best, *nearest)) nearest = &found.best;
     Candidate judged = *nearest;
     judged.figures = problem_of(judged).evaluate(judged.values, LimitPrecision::proved);
-    std::optional<BindingConstraint> binding;
-    double worst = 0;
-    for (const DesignConstraint& constraint : spec_.constraints) {
-      const double violation = find_violation(constraint, judged.figures);
-      if (violation <= worst) continue;
-      worst = violation;
-      binding = make_binding(constraint, judged, false);
-    }
-    return binding;
+    const DesignConstraint* missed = find_worst_missed(spec_, judged.figures);
+    return missed ? std::optional(make_binding(*missed, judged, false)) : std::nullopt;
   }
 
   static BindingConstraint make_binding(const DesignConstraint& constraint,

@@ -31,6 +31,12 @@ struct TopologyFront {
   std::vector<Candidate> points;
 };
 
+/// A topology without a design that keeps every constraint.
+struct InfeasibleTopology {
+  const Topology* topology = nullptr;
+  std::string because;
+};
+
 /// Why nothing is feasible.
 struct BindingConstraint {
   std::string name;
@@ -46,7 +52,8 @@ struct DesignStudy {
   std::vector<Candidate> continuous;  ///< best of each option without a series
   std::vector<Candidate> pareto;      ///< stiffness against apparent inertia, the lightest first
   std::vector<TopologyFront> fronts;  ///< the same of each topology by itself
-  std::optional<BindingConstraint> binding;  ///< where infeasible and a constraint is to blame
+  std::vector<InfeasibleTopology> infeasible;  ///< in the order of the spec
+  std::optional<BindingConstraint> binding;    ///< where infeasible and a constraint is to blame
 };
 
 /// Chooses topology and values. `quiet`: no progress bar.

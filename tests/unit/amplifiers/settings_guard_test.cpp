@@ -34,8 +34,13 @@ struct DampedBench : MotorBench {
   void write_setting(std::string_view name, double value) override {
     if (name == fails) throw Error(ErrorCode::device, std::string(name), "lost");
     MotorBench::write_setting(name, value);
+    if (name == loses_answer) {
+      loses_answer.clear();
+      throw Error(ErrorCode::device, std::string(name), "no answer in time");
+    }
   }
   std::string fails;
+  std::string loses_answer;  // of one write, which acts
 };
 
 // What a tuning leaves half done.
@@ -98,6 +103,17 @@ TEST(SettingsGuard, PutsBackWhatItHasSwitchedOffWhereTheNextCannotBe) {
   bench.fails = "back_emf_damping";
   EXPECT_THROW(SettingsGuard(bench, values), Error);
   EXPECT_EQ(bench.settings, before);
+}
+
+TEST(SettingsGuard, PutsBackWhatWasSwitchedOffAlthoughTheAnswerWasLost) {
+  for (const char* name : {"cancellation_resistance", "damping_connected", "back_emf_damping"}) {
+    DampedBench bench;
+    bench.settings["back_emf_damping"] = 0.1;
+    const auto before = bench.settings;
+    bench.loses_answer = name;
+    EXPECT_THROW(SettingsGuard(bench, values), Error);
+    EXPECT_EQ(bench.settings, before) << name;
+  }
 }
 
 TEST(SettingsGuard, TriesAgainAtItsEndWhatCouldNotBePutBack) {
