@@ -14,7 +14,7 @@ struct Kind {
   std::string_view prefix, name, reader;
 };
 constexpr std::array kinds{
-    Kind{"gyrator/model/", "a model", "the analyses"},
+    Kind{"gyrator/model/", "a model", "`gyrator passivity`"},
     Kind{"gyrator/design/", "a design spec", "`gyrator design`"},
     Kind{"gyrator/study/", "a sweep", "`gyrator study run`"},
     Kind{"gyrator/regression/", "a regression study", "`gyrator study check`"},
