@@ -180,6 +180,7 @@ void run_regression_study(const RegressionRequest& request, const std::string& f
         fmt::format("'{}': is a file: the results of a regression study are a folder's", folder));
   }
   const auto studies = load_studies(request.files);
+  check_results_folder(studies.front(), folder, request.filter);
   StudyRunOptions options = make_options(request);
   options.keep_csv = true;
   const auto answers = run_studies(studies, options);
@@ -198,6 +199,8 @@ void run_regression_study(const RegressionRequest& request, const std::string& f
                studies.front().name, describe_count(written.size(), "file"), folder,
                counts.rows - counts.failed, describe_count(counts.rows, "figure"));
   }
+  for (const std::string& reason : list_undrawn_figures(answers.front()))
+    fmt::print(stderr, "gyrator: {}\n", reason);
   for (const CheckRow& row : rows) {
     if (row.figure != "exit code" || row.outcome != RowOutcome::failed) continue;
     fmt::print(stderr, "gyrator: {}\n", row.explanation);
