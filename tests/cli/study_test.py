@@ -64,9 +64,18 @@ class CheckTest(StudyTest):
 
     def test_what_has_not_changed_passes(self):
         answer = self.study("check", "study.json")
-        self.assertIn("all as expected", answer.out)
+        self.assertRegex(answer.out, r"^study\.json: 7 figures as expected, [0-9.]+ s\n$")
         self.assertEqual(answer.err, "")
-        self.assertNotIn("FAIL", answer.out)
+
+    def test_every_figure_is_printed_when_asked_for(self):
+        answer = self.study("check", "study.json", "--verbose")
+        self.assertRegex(answer.out, r"limit +largest K +\[1600, 800\] N/m .* pass\n")
+
+    def test_a_difference_of_shape_is_told(self):
+        baseline = json.loads(self.read("study.baseline.json"))
+        baseline["runs"]["limit"]["figures"]["largest K"]["value"] = "passive"
+        (self.folder / "study.baseline.json").write_text(json.dumps(baseline))
+        self.assertIn("[1600, 800] N/m, baseline passive", self.failed()[("limit", "largest K")])
 
     def test_two_percent_of_damping_are_found_and_told_with_units(self):
         self.change_model(damping="0.784 N.s/m")
@@ -326,6 +335,43 @@ class RunTest(StudyTest):
         answer = self.study("run", "study.json", "-o", "out", code=3)
         self.assertIn("exit code of hit: exit code 2, expected 0", answer.err)
         self.assertTrue((self.folder / "out/limit.0.json").exists())
+
+    def test_no_result_overwrites_what_the_study_reads(self):
+        study = json.loads(json.dumps(STUDY))
+        study["runs"][1]["name"] = "plant"
+        self.write_study(study)
+        before = self.files()
+        model = self.read("plant.json")
+        answer = self.run_program("study", "run", "study.json", "-o", ".")
+        self.assert_refused(answer, "--output", "the result plant.json would overwrite plant.json")
+        self.assertEqual((self.files(), self.read("plant.json")), (before, model))
+        self.study("run", "study.json", "-o", ".", "--filter", "limit")
+        self.study("run", "study.json", "-o", ".", "--filter", "limit")  # its own results it may
+
+    def test_a_run_without_an_answer_does_not_hide_the_page_that_tells_it(self):
+        study = dict(STUDY, figures=[{
+            "name": "limits", "x": {"label": "period"}, "y": {"label": "largest K"},
+            "curves": [{"run": "limit", "x": "set.sampling.period", "y": LIMIT}]}])
+        study["runs"] = [dict(STUDY["runs"][0], arguments=["--nonsense"])]
+        self.write_study(study)
+        answer = self.study("run", "study.json", "-o", "out", code=3)
+        told = "the figure 'limits' is not drawn: limit (sampling.period = 0.001) gave no answer: exit code 2: "
+        self.assertIn(told, answer.err)
+        self.assertIn("unknown option '--nonsense'", answer.err)
+        self.assertIn("gave no answer: exit code 2", self.read("out/report.html"))
+        self.assertFalse((self.folder / "out/limits.svg").exists())
+
+    def test_temporary_files_may_be_anywhere_that_is_there(self):
+        nested = self.folder / "nested"
+        nested.mkdir()
+        for name in ("study.json", "plant.json"):
+            shutil.copy(self.folder / name, nested)
+        answer = self.run_program("study", "run", "nested/study.json", "-o", "out",
+                                  environment=NEITHER_CI | {"TMPDIR": "nowhere"})
+        self.assert_refused(answer, "TMPDIR", "nowhere")
+        (self.folder / "tmp").mkdir()
+        self.study("run", "nested/study.json", "-o", "out", environment=NEITHER_CI | {"TMPDIR": "tmp"})
+        self.assertTrue((self.folder / "out/hit.csv").exists())
 
     def test_sweeps_and_regression_studies_keep_their_options_apart(self):
         self.assert_refused(self.run_program("study", "run", "study.json", "-o", "out", "--analysis", "zwidth"),

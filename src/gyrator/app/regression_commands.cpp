@@ -33,7 +33,7 @@ struct CheckOptions {
   RegressionRequest request;
   long threads = 0;
   std::string junit;
-  bool yes = false;
+  bool yes = false, verbose = false;
 };
 
 std::string study_of(const std::string& path) {
@@ -105,7 +105,7 @@ void check(const CheckOptions& options, int& exit_code) {
   if (request.as_json) {
     print_json(make_check_result(rows));
   } else if (!request.quiet) {
-    fmt::print("{}", describe_check(rows, true));
+    fmt::print("{}", describe_check(rows, options.verbose));
   }
   annotate(rows, request.as_json);
   exit_code = count_rows(rows).failed == 0 ? 0 : 1;
@@ -180,6 +180,7 @@ void run_regression_study(const RegressionRequest& request, const std::string& f
         fmt::format("'{}': is a file: the results of a regression study are a folder's", folder));
   }
   const auto studies = load_studies(request.files);
+  check_results_folder(studies.front(), folder, request.filter);
   StudyRunOptions options = make_options(request);
   options.keep_csv = true;
   const auto answers = run_studies(studies, options);
@@ -198,6 +199,8 @@ void run_regression_study(const RegressionRequest& request, const std::string& f
                studies.front().name, describe_count(written.size(), "file"), folder,
                counts.rows - counts.failed, describe_count(counts.rows, "figure"));
   }
+  for (const std::string& reason : list_undrawn_figures(answers.front()))
+    fmt::print(stderr, "gyrator: {}\n", reason);
   for (const CheckRow& row : rows) {
     if (row.figure != "exit code" || row.outcome != RowOutcome::failed) continue;
     fmt::print(stderr, "gyrator: {}\n", row.explanation);
@@ -213,6 +216,7 @@ void add_check_command(CLI::App& study, int& exit_code) {
   command->add_option("--junit", options->junit, "Also write the result as JUnit XML")
       ->type_name("FILE")
       ->check(not_empty());
+  command->add_flag("--verbose", options->verbose, "Print every figure, not only what failed");
   command->add_flag("--json", options->request.as_json, "Print one JSON object and nothing else");
   command->footer(
       "Example:\n  gyrator study check studies/first_wall/study.json --junit studies.xml\n\n"

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <iterator>
 #include <utility>
 
 #include <fmt/core.h>
@@ -51,6 +52,25 @@ std::vector<std::string> list_studies(const std::vector<CheckRow>& rows) {
   for (const CheckRow& row : rows)
     if (files.empty() || files.back() != row.study_file) files.push_back(row.study_file);
   return files;
+}
+
+std::vector<CheckRow> select_study(const std::vector<CheckRow>& rows, const std::string& file) {
+  std::vector<CheckRow> study;
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(study),
+               [&](const CheckRow& row) { return row.study_file == file; });
+  return study;
+}
+
+// "41 figures as expected, 0.8 s", "2 of 13 figures not as expected, 1 note, 0.8 s"
+std::string describe_outcome(const std::vector<CheckRow>& rows) {
+  const CheckCounts counts = count_rows(rows);
+  std::string text = describe_count(counts.rows, "figure");
+  text = counts.failed == 0 ? text + " as expected"
+                            : fmt::format("{} of {} not as expected", counts.failed, text);
+  if (counts.notes > 0) text += ", " + describe_count(counts.notes, "note");
+  double seconds = 0;
+  for (const CheckRow& row : rows) seconds += row.seconds;
+  return text + fmt::format(", {:.1f} s", seconds);
 }
 
 std::string write_suite(const std::vector<CheckRow>& rows, const std::string& file) {
@@ -119,20 +139,18 @@ std::string describe_check(const std::vector<CheckRow>& rows, bool all_rows) {
         text += fmt::format("{}: {}: {}\n", name_of(outcome), row.study_file, row.explanation);
   if (!text.empty()) text += "\n";
   for (const std::string& file : list_studies(rows)) {
+    const std::vector<CheckRow> study = select_study(rows, file);
+    text += fmt::format("{}: {}\n", file, describe_outcome(study));
+    if (!all_rows) continue;
     std::vector<TableRow> table{{"run", "figure", "now", "expected", "allowed", "result"}};
-    for (const CheckRow& row : rows) {
-      if (row.study_file != file || (!all_rows && row.outcome == RowOutcome::passed)) continue;
+    for (const CheckRow& row : study)
       table.push_back(
           {row.run, row.figure, row.now, row.expected, row.allowed, name_of(row.outcome)});
-    }
-    if (table.size() > 1) text += fmt::format("{}\n{}\n", file, write_table(table));
+    text += write_table(table) + "\n";
   }
-  const CheckCounts counts = count_rows(rows);
-  text += describe_count(counts.rows, "figure");
-  text +=
-      counts.failed == 0 ? ": all as expected" : fmt::format(": {} not as expected", counts.failed);
-  if (counts.notes > 0) text += ", " + describe_count(counts.notes, "note");
-  return text + "\n";
+  const std::size_t studies = list_studies(rows).size();
+  if (studies > 1) text += fmt::format("{} studies: {}\n", studies, describe_outcome(rows));
+  return text;
 }
 
 std::string write_junit(const std::vector<CheckRow>& rows) {

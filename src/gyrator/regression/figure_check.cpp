@@ -40,6 +40,7 @@ std::string describe_change(double value, double reference) {
 struct Comparison {
   double excess = 0;
   std::string reason;
+  std::optional<std::size_t> item;
 };
 
 class Comparer {
@@ -60,6 +61,7 @@ class Comparer {
         Comparison item = compare(value[i], reference[i]);
         if (item.excess <= worst.excess) continue;
         item.reason = fmt::format("[{}]: {}", i, item.reason);
+        item.item = i;
         worst = std::move(item);
       }
       return worst;
@@ -73,7 +75,7 @@ class Comparer {
 
  private:
   static Comparison differ(std::string reason) {
-    return {std::numeric_limits<double>::infinity(), std::move(reason)};
+    return {std::numeric_limits<double>::infinity(), std::move(reason), {}};
   }
 
   Comparison compare_numbers(double value, double reference) const {
@@ -87,12 +89,18 @@ class Comparer {
     return {std::isnan(excess) ? std::numeric_limits<double>::infinity() : excess,
             fmt::format("{}, {} {} {}: {}", with_unit(describe_beside(value, reference), unit_),
                         what_, with_unit(describe_beside(reference, value), unit_),
-                        describe_tolerance(tolerance_, unit_), describe_change(value, reference))};
+                        describe_tolerance(tolerance_, unit_), describe_change(value, reference)),
+            {}};
   }
 
   const FigureTolerance& tolerance_;
   std::string unit_, what_;
 };
+
+bool is_fixed(const Expectation& expectation) {
+  return expectation.is_none || !expectation.equals.is_null() || expectation.at_least ||
+         expectation.at_most;
+}
 
 std::optional<std::string> find_single_violation(const json& value,
                                                  const Expectation& expectation) {
@@ -121,22 +129,24 @@ std::optional<Difference> find_difference(const json& value, const json& referen
                                           const std::string& what) {
   const Comparison worst = Comparer(tolerance, unit, what).compare(value, reference);
   if (worst.reason.empty()) return std::nullopt;
-  return Difference{worst.reason};
+  return Difference{worst.reason, worst.item};
 }
 
 std::optional<Difference> find_violation(const json& value, const Expectation& expectation) {
   const bool each = value.is_array() && !expectation.equals.is_array();
   if (!each) {
-    if (auto reason = find_single_violation(value, expectation)) return Difference{*reason};
+    if (auto reason = find_single_violation(value, expectation)) return Difference{*reason, {}};
     return std::nullopt;
   }
+  // Otherwise an answer that has lost its list would keep whatever is expected of the items.
+  if (value.empty() && is_fixed(expectation))
+    return Difference{"an empty list: at least one value is expected", {}};
   for (std::size_t i = 0; i < value.size(); ++i) {
     if (value[i].is_array()) {
       if (auto inner = find_violation(value[i], expectation))
-        return Difference{
-            fmt::format("[{}]{}{}", i, inner->reason.starts_with('[') ? "" : ": ", inner->reason)};
+        return Difference{fmt::format("[{}]{}{}", i, inner->item ? "" : ": ", inner->reason), i};
     } else if (auto reason = find_single_violation(value[i], expectation)) {
-      return Difference{fmt::format("[{}]: {}", i, *reason)};
+      return Difference{fmt::format("[{}]: {}", i, *reason), i};
     }
   }
   return std::nullopt;

@@ -2,6 +2,7 @@
 
 #include "gyrator/regression/regression_study.hpp"
 
+#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -14,6 +15,7 @@ namespace gyrator {
 /// item.
 struct Difference {
   std::string reason;
+  std::optional<std::size_t> item;  ///< of the outermost list, where the reason is an item's
 };
 
 /// Compares an answer's figure with a reference of the same shape:
@@ -27,7 +29,7 @@ std::optional<Difference> find_difference(const nlohmann::json& value,
                                           const std::string& what);
 
 /// Whether a figure, or each item of a list, keeps the bounds and the exact value; a single
-/// `equals` is that of every item.
+/// `equals` is that of every item. A list without items keeps none of them.
 std::optional<Difference> find_violation(const nlohmann::json& value,
                                          const Expectation& expectation);
 

@@ -6,15 +6,14 @@
 #include "gyrator/documents/digest.hpp"
 #include "gyrator/documents/document_member.hpp"
 #include "gyrator/documents/document_reader.hpp"
+#include "gyrator/documents/input_file.hpp"
 #include "gyrator/documents/json_text.hpp"
 #include "gyrator/studies/model_format.hpp"
 #include "gyrator/synthesis/design_spec.hpp"
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <utility>
 
 #include <fmt/core.h>
@@ -64,11 +63,6 @@ void put(json& document, const json& normal, const json::json_pointer& pointer, 
   }
   if (!outermost.empty() && normal.contains(outermost)) document[outermost] = normal[outermost];
   document[pointer] = value;
-}
-
-std::string read_bytes(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 }  // namespace
@@ -128,13 +122,21 @@ json OverridableModel::value_of(const json& document, const std::string& path) c
   return value;
 }
 
+std::vector<fs::path> OverridableModel::named_files() const {
+  std::vector<fs::path> files;
+  json document = document_;
+  const fs::path folder = fs::path(file_).parent_path();
+  visit_files(document, [&](json& name) { files.push_back(folder / name.get<std::string>()); });
+  return files;
+}
+
 std::map<std::string, std::string> OverridableModel::hash_named_files() const {
   std::map<std::string, std::string> hashes;
   json document = document_;
   const fs::path folder = fs::path(file_).parent_path();
   visit_files(document, [&](json& name) {
     const std::string given = name;
-    hashes[given] = compute_sha256(read_bytes(folder / given));
+    hashes[given] = compute_sha256(read_text_file_if_any(folder / given));
   });
   return hashes;
 }

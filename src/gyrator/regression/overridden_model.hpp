@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
@@ -32,7 +33,10 @@ class OverridableModel {
   nlohmann::json value_of(const nlohmann::json& document, const std::string& path) const;
 
   const std::string& sha256() const { return sha256_; }
-  /// SHA-256 of the files that it names, by their names there.
+  /// The netlists, recordings and models that it names, as they are opened.
+  std::vector<std::filesystem::path> named_files() const;
+  /// SHA-256 of the files that it names, by their names there; of one that is missing, that of
+  /// nothing. Throws bad_input for a folder.
   std::map<std::string, std::string> hash_named_files() const;
 
  private:

@@ -206,10 +206,26 @@ void check_arguments(const RegressionRun& run, const std::string& place) {
   for (const std::string& argument : run.arguments) {
     for (const char* taken : {"--json", "-o", "--output", "--csv"}) {
       const std::string option = taken;
-      if (argument == option || argument.starts_with(option + "="))
+      const bool is_glued = option.size() == 2 && argument.starts_with(option);
+      if (argument == option || is_glued || argument.starts_with(option + "="))
         refuse(place, fmt::format("'{}': the study itself keeps the answers", argument));
     }
   }
+}
+
+// A seed that is told twice would be one of the two, silently.
+void check_seed(const RegressionRun& run, const std::string& place) {
+  if (!run.seed) return;
+  const std::string path = run.seed_path();
+  const bool is_varied =
+      std::any_of(run.vary.begin(), run.vary.end(), [&](const auto& v) { return v.path == path; });
+  if (run.set.contains(path) || is_varied) {
+    refuse(place, fmt::format(R"('{}' is in "{}" too: one of them is enough)", path,
+                              is_varied ? "vary" : "set"));
+  }
+  for (const std::string& argument : run.arguments)
+    if (argument == "--seed" || argument.starts_with("--seed="))
+      refuse(place, "'--seed' is in \"arguments\" too: one of them is enough");
 }
 
 RegressionRun read_run(const json& given, const FigureTolerance& usual, const std::string& place) {
@@ -231,6 +247,7 @@ RegressionRun read_run(const json& given, const FigureTolerance& usual, const st
   check_arguments(run, place + "/arguments");
   run.exit_codes = read_exit_codes(given["exit_code"], run.points(), place + "/exit_code");
   if (!given["seed"].is_null()) run.seed = given["seed"].get<std::uint64_t>();
+  check_seed(run, place + "/seed");
   std::vector<std::string> names;
   for (std::size_t i = 0; i < given["expect"].size(); ++i) {
     run.expect.push_back(

@@ -78,6 +78,8 @@ struct RegressionRun {
 
   /// How often the command runs: once per varied value.
   std::size_t points() const { return vary.empty() ? 1 : vary.front().values.size(); }
+  /// The key that `seed` stands for.
+  const char* seed_path() const { return command == "design" ? "seed" : "simulation.seed"; }
 };
 
 struct StudyCurve {

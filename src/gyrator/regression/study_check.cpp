@@ -23,15 +23,6 @@ std::string describe_point(const RunAnswer& run, std::size_t point) {
   return text.empty() ? "" : " (" + text + ")";
 }
 
-// What the program said of its failure, in one line.
-std::string first_line(const std::string& text) {
-  return std::string(trim(text.substr(0, text.find('\n'))));
-}
-
-std::string describe_exit(int code) {
-  return code < 0 ? "ended by a signal" : fmt::format("exit code {}", code);
-}
-
 class StudyCheck {
  public:
   explicit StudyCheck(const StudyAnswers& answers)
@@ -83,7 +74,7 @@ class StudyCheck {
       now.push_back(point.exit_code < 0 ? "signal" : std::to_string(point.exit_code));
       expected.push_back(std::to_string(wanted));
       if (point.exit_code == wanted) continue;
-      const std::string said = first_line(point.errors);
+      const std::string said = first_error(point);
       fail(row, fmt::format("{}{}, expected {}{}", describe_exit(point.exit_code),
                             describe_point(run, k), wanted, said.empty() ? "" : ": " + said));
     }
@@ -101,14 +92,14 @@ class StudyCheck {
       return fail(row, error.message());
     }
     row.now = describe_figure(value, expectation.unit);
-    check_fixed(value, expectation, row);
+    check_fixed(run, value, expectation, row);
     if (expectation.tolerance) check_against_baseline(run, value, expectation, row);
     if (!expectation.published) return;
     const PublishedValue& published = *expectation.published;
     if (const auto difference =
             find_difference(value, published.value, published.tolerance, expectation.unit,
                             "published (" + published.source + ")"))
-      fail(row, point_named(run, difference->reason));
+      fail(row, point_named(run, *difference));
     if (row.expected.empty()) {
       row.expected = describe_figure(published.value, expectation.unit);
       row.allowed = describe_tolerance(published.tolerance, expectation.unit);
@@ -116,16 +107,14 @@ class StudyCheck {
   }
 
   // "[1]: …" of a run that varies tells which value that is.
-  static std::string point_named(const RunAnswer& run, const std::string& reason) {
-    if (run.run->vary.empty() || !reason.starts_with('[')) return reason;
-    const std::size_t point = std::stoul(reason.substr(1));
-    const std::size_t close = reason.find(']');
-    if (point >= run.points.size()) return reason;
-    return fmt::format("{}{}{}", reason.substr(0, close + 1), describe_point(run, point),
-                       reason.substr(close + 1));
+  static std::string point_named(const RunAnswer& run, const Difference& difference) {
+    if (run.run->vary.empty() || !difference.item) return difference.reason;
+    const std::string index = fmt::format("[{}]", *difference.item);
+    return index + describe_point(run, *difference.item) + difference.reason.substr(index.size());
   }
 
-  static void check_fixed(const json& value, const Expectation& expectation, CheckRow& row) {
+  static void check_fixed(const RunAnswer& run, const json& value, const Expectation& expectation,
+                          CheckRow& row) {
     if (!expectation.equals.is_null()) {
       row.expected = describe_figure(expectation.equals, expectation.unit);
       row.allowed = "exactly";
@@ -139,7 +128,8 @@ class StudyCheck {
         bounds.push_back("at most " + describe_figure(*expectation.at_most, expectation.unit));
       row.expected = join(bounds);
     }
-    if (const auto violation = find_violation(value, expectation)) fail(row, violation->reason);
+    if (const auto violation = find_violation(value, expectation))
+      fail(row, point_named(run, *violation));
   }
 
   void check_against_baseline(const RunAnswer& run, const json& value,
@@ -163,7 +153,7 @@ class StudyCheck {
     const auto difference = find_difference(value, found->second.value, *expectation.tolerance,
                                             expectation.unit, "baseline");
     if (!difference) return;
-    fail(row, point_named(run, difference->reason));
+    fail(row, point_named(run, *difference));
     if (base->provenance.value("model_sha256", "") != run.model_sha256)
       row.explanation += " (the model file is not the one of the baseline)";
   }
@@ -208,9 +198,9 @@ class StudyCheck {
     }
     const auto exit = find_tube_exit(trace, reference, tube);
     if (!exit) return;
-    if (exit->is_end) {
-      return fail(row, fmt::format("ends at {:.9g} s, the reference at {:.9g} s", exit->value,
-                                   exit->limit));
+    if (exit->is_start || exit->is_end) {
+      return fail(row, fmt::format("{} at {:.9g} s, the reference at {:.9g} s",
+                                   exit->is_start ? "starts" : "ends", exit->value, exit->limit));
     }
     fail(row,
          fmt::format("{} leaves the tube at t = {:.6g} s: {:.6g}, allowed {} {:.6g}; at most "

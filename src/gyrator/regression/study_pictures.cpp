@@ -4,7 +4,9 @@
 #include "gyrator/core/text.hpp"
 #include "gyrator/documents/output_file.hpp"
 #include "gyrator/plots/html.hpp"
+#include "gyrator/regression/baseline.hpp"
 #include "gyrator/regression/figure_check.hpp"
+#include "gyrator/regression/overridden_model.hpp"
 #include "gyrator/studies/report.hpp"
 #include "gyrator/studies/result_figures.hpp"
 
@@ -12,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <utility>
 
 #include <fmt/core.h>
@@ -86,8 +89,8 @@ std::vector<Curve> make_curves(const StudyCurve& curve, const RunAnswer& run) {
   return curves;
 }
 
-std::string name_of_point(const RunAnswer& run, std::size_t point) {
-  return run.run->vary.empty() ? run.run->name : fmt::format("{}.{}", run.run->name, point);
+std::string name_of_point(const RegressionRun& run, std::size_t point) {
+  return run.vary.empty() ? run.name : fmt::format("{}.{}", run.name, point);
 }
 
 std::string write_rows(const std::vector<CheckRow>& rows) {
@@ -107,11 +110,66 @@ std::string write_rows(const std::vector<CheckRow>& rows) {
   return html_table({"run", "figure", "now", "expected", "allowed", "result"}, table);
 }
 
-bool can_draw(const StudyFigure& figure, const StudyAnswers& answers) {
+bool is_computed(const StudyFigure& figure, const StudyAnswers& answers) {
   return std::all_of(figure.curves.begin(), figure.curves.end(), [&](const StudyCurve& curve) {
     return std::any_of(answers.runs.begin(), answers.runs.end(),
                        [&](const RunAnswer& run) { return run.run->name == curve.run; });
   });
+}
+
+// Why a figure whose runs were computed cannot be drawn: the first point without an answer.
+std::optional<std::string> find_missing_answer(const StudyFigure& figure,
+                                               const StudyAnswers& answers) {
+  for (const StudyCurve& curve : figure.curves) {
+    const RunAnswer& run = find_run(answers, curve.run);
+    for (std::size_t k = 0; k < run.points.size(); ++k) {
+      const PointAnswer& point = run.points[k];
+      if (!point.answer.is_null()) continue;
+      const std::string varied = describe_varied(run, k);
+      const std::string said = first_error(point);
+      return fmt::format("the figure '{}' is not drawn: {}{} gave no answer: {}{}", figure.name,
+                         run.run->name, varied.empty() ? "" : " (" + varied + ")",
+                         describe_exit(point.exit_code), said.empty() ? "" : ": " + said);
+    }
+  }
+  return std::nullopt;
+}
+
+// The files that a study's runs read, with those that these name.
+void list_read_files(const fs::path& model, std::vector<fs::path>& files) {
+  if (std::find(files.begin(), files.end(), model) != files.end()) return;
+  files.push_back(model);
+  if (model.extension() != ".json") return;
+  try {
+    for (const fs::path& named : OverridableModel(model.string()).named_files())
+      list_read_files(named, files);
+  } catch (const Error&) {  // told with its place when the study is run
+  }
+}
+
+std::vector<fs::path> list_inputs(const RegressionStudy& study) {
+  std::vector<fs::path> inputs{study.file, baseline_name(study.file)};
+  for (const RegressionRun& run : study.runs) {
+    list_read_files(fs::path(study.file).parent_path() / run.model, inputs);
+    if (!run.trace) continue;
+    for (std::size_t k = 0; k < run.points(); ++k)
+      inputs.push_back(reference_trace_name(study.file, run, k));
+  }
+  return inputs;
+}
+
+// All that write_study_results may write.
+std::vector<std::string> list_outputs(const RegressionStudy& study, const std::string& filter) {
+  std::vector<std::string> names{"report.html", "results.html"};
+  for (const StudyFigure& figure : study.figures) names.push_back(figure.name + ".svg");
+  for (const RegressionRun& run : study.runs) {
+    if (!is_wanted(study, run, filter)) continue;
+    for (std::size_t k = 0; k < run.points(); ++k) {
+      names.push_back(name_of_point(run, k) + ".json");
+      if (run.command == "simulate") names.push_back(name_of_point(run, k) + ".csv");
+    }
+  }
+  return names;
 }
 
 }  // namespace
@@ -143,11 +201,40 @@ Figure make_study_figure(const RegressionStudy& study, const StudyFigure& figure
   return {"", {std::move(panel)}};
 }
 
+std::vector<std::string> list_undrawn_figures(const StudyAnswers& answers) {
+  std::vector<std::string> reasons;
+  for (const StudyFigure& figure : answers.study->figures) {
+    if (!is_computed(figure, answers)) continue;
+    if (auto reason = find_missing_answer(figure, answers)) reasons.push_back(std::move(*reason));
+  }
+  return reasons;
+}
+
+void check_results_folder(const RegressionStudy& study, const std::string& folder,
+                          const std::string& filter) {
+  const std::vector<fs::path> inputs = list_inputs(study);
+  for (const std::string& name : list_outputs(study, filter)) {
+    const fs::path output = fs::path(folder) / name;
+    for (const fs::path& input : inputs) {
+      std::error_code missing;  // then it is nothing that could be lost
+      if (!fs::equivalent(output, input, missing)) continue;
+      throw Error(ErrorCode::bad_input, "--output",
+                  fmt::format("'{}': the result {} would overwrite {}, which the study reads: give "
+                              "a folder of its own",
+                              folder, name, input.string()));
+    }
+  }
+}
+
 std::string write_study_page(const StudyAnswers& answers, const std::vector<CheckRow>& rows) {
   const RegressionStudy& study = *answers.study;
   std::string body = "<h1>" + html_escape(study.name) + "</h1>\n" + html_paragraph(study.about);
   for (std::size_t i = 0; i < study.figures.size(); ++i) {
-    if (!can_draw(study.figures[i], answers)) continue;
+    if (!is_computed(study.figures[i], answers)) continue;
+    if (const auto reason = find_missing_answer(study.figures[i], answers)) {
+      body += html_paragraph(*reason);
+      continue;
+    }
     body += html_figure(figure_as_svg(make_study_figure(study, study.figures[i], answers),
                                       fmt::format("figure{}", i)),
                         study.figures[i].caption);
@@ -173,7 +260,7 @@ std::vector<std::string> write_study_results(const StudyAnswers& answers,
     for (std::size_t k = 0; k < run.points.size(); ++k) {
       const PointAnswer& point = run.points[k];
       if (point.answer.is_null()) continue;
-      const std::string name = name_of_point(run, k);
+      const std::string name = name_of_point(*run.run, k);
       write(name + ".json",
             point.answer.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
       if (!point.csv.empty()) write(name + ".csv", point.csv);
@@ -185,7 +272,7 @@ std::vector<std::string> write_study_results(const StudyAnswers& answers,
     }
   }
   for (const StudyFigure& figure : answers.study->figures) {
-    if (!can_draw(figure, answers)) continue;
+    if (!is_computed(figure, answers) || find_missing_answer(figure, answers)) continue;
     render_figure(make_study_figure(*answers.study, figure, answers),
                   (fs::path(folder) / (figure.name + ".svg")).string());
     written.push_back(figure.name + ".svg");

@@ -5,6 +5,7 @@
 #include "gyrator/core/interrupt.hpp"
 #include "gyrator/core/text.hpp"
 #include "gyrator/documents/csv.hpp"
+#include "gyrator/documents/input_file.hpp"
 #include "gyrator/documents/output_file.hpp"
 #include "gyrator/regression/answer_path.hpp"
 #include "gyrator/regression/figure_check.hpp"
@@ -16,8 +17,6 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <system_error>
 #include <thread>
 
@@ -33,7 +32,16 @@ namespace fs = std::filesystem;
 class ScratchFolder {
  public:
   ScratchFolder() {
-    std::string name = (fs::temp_directory_path() / "gyrator-study-XXXXXX").string();
+    std::error_code failed;
+    const fs::path parent = fs::temp_directory_path(failed);
+    if (failed) {
+      const char* given = std::getenv("TMPDIR");
+      throw Error(ErrorCode::bad_input, "TMPDIR",
+                  fmt::format("'{}': a folder for temporary files is expected: {}",
+                              given == nullptr ? "" : given, failed.message()));
+    }
+    // Absolute: the runs work in the study's folder.
+    std::string name = (fs::absolute(parent) / "gyrator-study-XXXXXX").string();
     if (::mkdtemp(name.data()) == nullptr)
       throw Error(ErrorCode::bad_input, name,
                   "cannot be made: " + std::generic_category().message(errno));
@@ -63,19 +71,17 @@ struct Job {
   PointAnswer* answer = nullptr;
 };
 
-std::string read_text(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 fs::path folder_of(const RegressionStudy& study) {
   const fs::path folder = fs::path(study.file).parent_path();
   return folder.empty() ? "." : folder;
 }
 
-bool is_wanted(const RegressionStudy& study, const RegressionRun& run, const std::string& filter) {
-  return (study.name + "/" + run.name).find(filter) != std::string::npos ||
-         (study.file + "/" + run.name).find(filter) != std::string::npos;
+// As many as are asked for, and no more than the environment allows.
+int count_threads(int asked) {
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int threads = asked > 0 ? asked : cores;
+  const int limit = read_threads_variable();
+  return limit > 0 ? std::min(threads, limit) : threads;
 }
 
 void refuse_filter(const std::vector<RegressionStudy>& studies, const std::string& filter) {
@@ -104,8 +110,7 @@ class Runner {
   }
 
   std::vector<StudyAnswers> run() {
-    const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-    const int threads = options_.threads > 0 ? options_.threads : cores;
+    const int threads = count_threads(options_.threads);
     const int at_once = std::min<int>(threads, static_cast<int>(jobs_.size()));
     Progress progress("study", jobs_.size(), options_.quiet);
     run_parallel(jobs_.size(), at_once, [&](std::size_t i) {
@@ -166,8 +171,7 @@ class Runner {
       values.push_back(
           {varied.path, varied.values[point], fmt::format("{}/vary/{}", place, varied.path)});
     if (run.seed && run.command != "tolerance") {
-      values.push_back(
-          {run.command == "design" ? "seed" : "simulation.seed", *run.seed, place + "/seed"});
+      values.push_back({run.seed_path(), *run.seed, place + "/seed"});
     }
     return values;
   }
@@ -201,7 +205,7 @@ class Runner {
     answer.answer = json::parse(result.output, nullptr, false);
     if (answer.answer.is_discarded() || !answer.answer.is_object()) answer.answer = nullptr;
     if (answer.answer.is_object()) answer.answer["command_line"] = describe_command(job);
-    if (options_.keep_csv && !job.csv.empty()) answer.csv = read_text(job.csv);
+    if (options_.keep_csv && !job.csv.empty()) answer.csv = read_text_file_if_any(job.csv);
     if (job.run->trace && answer.answer.is_object()) read_trace(job);
   }
 
@@ -234,6 +238,19 @@ double RunAnswer::seconds() const {
   double sum = 0;
   for (const PointAnswer& point : points) sum += point.seconds;
   return sum;
+}
+
+std::string describe_exit(int code) {
+  return code < 0 ? "ended by a signal" : fmt::format("exit code {}", code);
+}
+
+std::string first_error(const PointAnswer& point) {
+  return std::string(trim(point.errors.substr(0, point.errors.find('\n'))));
+}
+
+bool is_wanted(const RegressionStudy& study, const RegressionRun& run, const std::string& filter) {
+  return (study.name + "/" + run.name).find(filter) != std::string::npos ||
+         (study.file + "/" + run.name).find(filter) != std::string::npos;
 }
 
 std::vector<StudyAnswers> run_studies(const std::vector<RegressionStudy>& studies,

@@ -42,10 +42,13 @@ struct StudyAnswers {
 struct StudyRunOptions {
   std::string program;  ///< path of gyrator itself; empty: this process
   std::string filter;   ///< only runs with this text in "STUDY/RUN", study by name or file
-  int threads = 0;      ///< 0: all cores
+  int threads = 0;      ///< 0: all cores; GYRATOR_THREADS limits either
   bool keep_csv = false;
   bool quiet = true;  ///< no progress bar
 };
+
+/// Whether a run has the filter's text in "STUDY/RUN", study by name or file.
+bool is_wanted(const RegressionStudy& study, const RegressionRun& run, const std::string& filter);
 
 /// Runs the studies' commands as processes of their own, side by side, each on its share of the
 /// cores, in the folder of the study's file.
@@ -62,6 +65,11 @@ nlohmann::json find_run_figure(const RunAnswer& run, const std::string& path);
 /// "sampling.delay = 0.05, controller.stiffness = 8": what this point of a run that varies is; an
 /// object by its kind or, without one, its number. Empty for a run that does not vary.
 std::string describe_varied(const RunAnswer& run, std::size_t point);
+
+/// "exit code 2", "ended by a signal".
+std::string describe_exit(int code);
+/// The first line of what the program said on its stderr.
+std::string first_error(const PointAnswer& point);
 
 /// The tube's columns of a trace in a file. Throws bad_input for one that cannot be read, a column
 /// that it does not have, and a value that is no number.

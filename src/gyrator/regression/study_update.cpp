@@ -2,14 +2,13 @@
 
 #include "gyrator/core/error.hpp"
 #include "gyrator/core/text.hpp"
+#include "gyrator/documents/input_file.hpp"
 #include "gyrator/documents/output_file.hpp"
 #include "gyrator/regression/figure_check.hpp"
 #include "gyrator/version.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <set>
 #include <sys/utsname.h>
@@ -59,7 +58,7 @@ void check_usable(const StudyAnswers& answers, const RunAnswer& run) {
     if (point.exit_code == run.run->exit_codes[k]) continue;
     refuse(answers, run,
            fmt::format("ended with {}, expected {}: {}", point.exit_code, run.run->exit_codes[k],
-                       trim(point.errors.substr(0, point.errors.find('\n')))));
+                       first_error(point)));
   }
 }
 
@@ -208,14 +207,9 @@ void list_all_changes(const Baseline& before, const Baseline& after,
     list_changes(name, find(before, name), find(after, name), lines);
 }
 
-std::string read_text(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 void list_trace_changes(StudyUpdate& update) {
   for (const auto& [path, text] : update.traces) {
-    const std::string before = read_text(path);
+    const std::string before = read_text_file_if_any(path);
     if (before == text) continue;
     update.changes.push_back(
         fmt::format("trace {}: {}", path.filename().string(), before.empty() ? "new" : "changed"));

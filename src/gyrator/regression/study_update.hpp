@@ -28,7 +28,8 @@ struct StudyUpdate {
 /// larger than 200 kB.
 StudyUpdate plan_update(const StudyAnswers& answers, bool whole);
 
-/// Writes baseline and traces: all of them or, where one cannot be written, none.
+/// Writes baseline and traces of one study, prepared in full before the first takes its name: a
+/// full disk or a folder that cannot be written leaves all as it was.
 void write_update(const StudyUpdate& update);
 
 }  // namespace gyrator

@@ -12,6 +12,7 @@ namespace {
 using Column = std::vector<double>;
 
 constexpr double thinning_share = 0.1;
+constexpr double rounding = 1e-12;  // of a time, relative
 
 /// A straight line over an interval [a, b].
 struct Line {
@@ -52,6 +53,11 @@ class Tube {
     const Column corners = list_corners();
     for (std::size_t i = 0; i + 1 < corners.size(); ++i)
       search_interval(corners[i], corners[i + 1], sign, dy, exit);
+    // No interval has a jump's rows at the first and the last instant, nor a trace of one row.
+    for (std::size_t i = 0; i < trace_t_.size(); ++i) {
+      const double limit = find_largest_at(trace_t_[i]) + dy;
+      if (!(trace_y_[i] - limit <= 0)) note(trace_t_[i], sign * trace_y_[i], sign * limit, exit);
+    }
   }
 
  private:
@@ -83,6 +89,17 @@ class Tube {
     return edge;
   }
 
+  // Of the window around an instant, its ends included.
+  double find_largest_at(double time) const {
+    double most =
+        std::max(find_line(t_, y_, time, time, -dt_).at_a, find_line(t_, y_, time, time, dt_).at_a);
+    const double slack = rounding * std::abs(time);
+    const auto begin = std::lower_bound(t_.begin(), t_.end(), time - dt_ - slack) - t_.begin();
+    const auto end = std::upper_bound(t_.begin(), t_.end(), time + dt_ + slack) - t_.begin();
+    if (begin < end) most = std::max(most, *std::max_element(y_.begin() + begin, y_.begin() + end));
+    return most;
+  }
+
   void search_interval(double a, double b, double sign, double dy,
                        std::optional<TubeExit>& exit) const {
     const Edge edge = find_edge(a, b);
@@ -107,7 +124,7 @@ class Tube {
   static void note(double time, double value, double limit, std::optional<TubeExit>& exit) {
     const double outside = std::abs(value - limit);
     const double largest = exit ? std::max(exit->outside, outside) : outside;
-    if (!exit || time < exit->time_s) exit = TubeExit{0, time, value, limit, 0, false};
+    if (!exit || time < exit->time_s) exit = TubeExit{0, time, value, limit, 0};
     exit->outside = largest;
   }
 
@@ -123,14 +140,22 @@ Column mirror(Column y, double sign) {
   return y;
 }
 
-// A trace that stops early, or goes on, is no motion like the reference.
+bool is_elsewhere(double time, double expected, double dt) {
+  return std::abs(time - expected) > dt + rounding * std::abs(expected);
+}
+
+// A trace that starts late, stops early, or goes on, is no motion like the reference.
 std::optional<TubeExit> find_other_end(const TraceTable& trace, const TraceTable& reference,
                                        double dt) {
+  const double start = trace.time_s.front();
+  const double first = reference.time_s.front();
+  if (is_elsewhere(start, first, dt))
+    return TubeExit{0, start, start, first, std::abs(start - first), true, false};
   const double end = trace.time_s.back();
-  const double expected = reference.time_s.back();
-  constexpr double rounding = 1e-12;
-  if (std::abs(end - expected) <= dt + rounding * std::abs(expected)) return std::nullopt;
-  return TubeExit{0, end, end, expected, std::abs(end - expected), true};
+  const double last = reference.time_s.back();
+  if (is_elsewhere(end, last, dt))
+    return TubeExit{0, end, end, last, std::abs(end - last), false, true};
+  return std::nullopt;
 }
 
 }  // namespace

@@ -19,17 +19,19 @@ struct TubeExit {
   std::size_t column = 0;
   double time_s = 0;
   double value = 0;
-  double limit = 0;     ///< the edge that it crossed
-  double outside = 0;   ///< largest distance outside, over the whole trace
-  bool is_end = false;  ///< it ends at `value`, the reference at `limit` [s]
+  double limit = 0;                       ///< the edge that it crossed
+  double outside = 0;                     ///< largest distance outside, over the whole trace
+  bool is_start = false, is_end = false;  ///< it does so at `value`, the reference at `limit` [s]
 };
 
 /// Where the trace leaves the tube around the reference, both linear between their rows:
 ///   upper(t) = max r over [t - dt, t + dt] + dy,   lower(t) = min r … - dy               (tube-1)
 ///   dy = absolute + relative (max r - min r)
 /// r the reference's column, dt the tolerance in time. Exact between the rows too: the edges are
-/// compared where any of the lines has a corner. One that ends elsewhere than the reference, by
-/// more than dt, leaves it at its end. For tables of the tube's columns, in its order.
+/// compared where any of the lines has a corner, and each row, that of a jump and a lone one too,
+/// with what the window has from its first instant to its last. One that starts or ends elsewhere
+/// than the reference, by more than dt, leaves it there. For tables of the tube's columns, in its
+/// order.
 std::optional<TubeExit> find_tube_exit(const TraceTable& trace, const TraceTable& reference,
                                        const TraceExpectation& tube);
 

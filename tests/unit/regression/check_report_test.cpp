@@ -54,7 +54,22 @@ TEST(CheckReport, AnnotationsAreEscapedAsGitHubAsks) {
 TEST(CheckReport, FailuresComeFirstInWords) {
   const std::string text = describe_check(make_rows(), true);
   EXPECT_TRUE(text.starts_with("FAIL: a/study.json: K of one: 100 % off")) << text;
-  EXPECT_NE(text.find("2 figures: 1 not as expected, 1 note"), std::string::npos) << text;
+  EXPECT_NE(text.find("a/study.json: 1 of 2 figures not as expected, 1 note, 0.5 s"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("one  K "), std::string::npos) << text;
+}
+
+TEST(CheckReport, BrieflyEachStudyIsALineAndOnlyWhatFailedIsTold) {
+  const std::vector<CheckRow> rows = make_rows();
+  CheckRow other = rows[0];
+  other.study_file = "b/study.json";
+  EXPECT_EQ(describe_check({other}, false), "b/study.json: 1 figure as expected, 0.5 s\n");
+  EXPECT_EQ(describe_check({rows[0], rows[1], other}, false),
+            "FAIL: a/study.json: K of one: 100 % off,\nso it is\n\n"
+            "a/study.json: 1 of 2 figures not as expected, 0.5 s\n"
+            "b/study.json: 1 figure as expected, 0.5 s\n"
+            "2 studies: 1 of 3 figures not as expected, 1.0 s\n");
 }
 
 TEST(CheckReport, TheResultCountsFailuresOnly) {

@@ -121,6 +121,37 @@ TEST(FigureCheck, EqualsIsOfEveryItemUnlessItIsAListItself) {
   EXPECT_TRUE(find_violation(json::array({"passive"}), expectation));
 }
 
+TEST(FigureCheck, AnEmptyListKeepsNothingThatIsExpectedOfItsItems) {
+  Expectation equals, none, bound;
+  equals.equals = "passive";
+  none.is_none = true;
+  bound.at_most = 2;
+  for (const Expectation& expectation : {equals, none, bound}) {
+    const auto violation = find_violation(json::array(), expectation);
+    ASSERT_TRUE(violation);
+    EXPECT_EQ(violation->reason, "an empty list: at least one value is expected");
+  }
+  // Of a run that varies, one point's list.
+  const auto inner = find_violation(json::array({json::array({1}), json::array()}), bound);
+  ASSERT_TRUE(inner);
+  EXPECT_EQ(inner->reason, "[1]: an empty list: at least one value is expected");
+  EXPECT_EQ(inner->item, 1U);
+  equals.equals = json::array();
+  EXPECT_FALSE(find_violation(json::array(), equals));  // said so
+  EXPECT_FALSE(find_violation(json::array(), Expectation{}));
+}
+
+TEST(FigureCheck, ADifferenceHasTheIndexOfItsItemAndNoneOfAListAsAWhole) {
+  const auto find = [](const json& value, const json& reference) {
+    return find_difference(value, reference, {}, "", "baseline").value();
+  };
+  EXPECT_EQ(find({1, 2, 4}, {1, 2, 3}).item, 2U);
+  EXPECT_EQ(find(json::array({{1, 2}, {3, 5}}), json::array({{1, 2}, {3, 4}})).item, 1U);
+  // These reasons begin with '[' too.
+  EXPECT_FALSE(find({"passive", "passive"}, "passive").item);
+  EXPECT_FALSE(find({0.5, 1}, nullptr).item);
+}
+
 TEST(FigureCheck, NoneIsTheAnswersNull) {
   Expectation expectation;
   expectation.is_none = true;

@@ -72,12 +72,34 @@ TEST(RegressionStudy, WhatMakesNoSenseIsRefusedByName) {
   expect_refused("/runs/0/expect/1/figure", "growth", "/runs/0/expect", "is there twice");
   expect_refused("/runs/0/command", "passivity", "/runs/0/trace", "simulate only");
   expect_refused("/runs/0/arguments", json::array({"--json"}), "/runs/0/arguments", "itself");
+  expect_refused("/runs/0/arguments", json::array({"-oX.json"}), "/runs/0/arguments", "itself");
   expect_refused("/runs/0/set", {{"sampling.period", 1}}, "/runs/0/vary", "in \"set\" too");
   expect_refused("/runs/0/trace/columns/position", json::object(), "/columns/position", "how wide");
   expect_refused("/runs/0/expct", 1, "/runs/0/expct", "did you mean 'expect'");
   expect_refused("/figures/0/curves/0/run", "on", "/figures/0/curves/0/run", "did you mean 'one'");
   expect_refused("/runs/0/expect/0/published", {{"value", 1}, {"source", "x"}}, "/published",
                  "how near");
+}
+
+TEST(RegressionStudy, ASeedIsToldOnce) {
+  json study = make_study();
+  study["runs"][0]["seed"] = 1;
+  parse_regression_study(study, "s.json");
+  for (const auto& [where, told] :
+       {std::pair<std::string, json>{"/runs/0/set", {{"simulation.seed", 2}}},
+        {"/runs/0/vary/simulation.seed", {2, 3}},
+        {"/runs/0/arguments", json::array({"--seed", "2"})},
+        {"/runs/0/arguments", json::array({"--seed=2"})}}) {
+    json twice = study;
+    twice[json::json_pointer(where)] = told;
+    try {
+      parse_regression_study(twice, "s.json");
+      ADD_FAILURE() << where << " = " << told << " was taken";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.place(), "s.json: /runs/0/seed");
+      EXPECT_NE(error.message().find("one of them is enough"), std::string::npos) << error.what();
+    }
+  }
 }
 
 TEST(Baseline, ATextIsReadBackAsItWas) {

@@ -118,6 +118,45 @@ TEST(TraceTube, ATraceThatEndsElsewhereIsOutside) {
   EXPECT_TRUE(exit->is_end);
 }
 
+TEST(TraceTube, JumpsAtTheFirstAndTheLastInstantAreHeld) {
+  const TraceTable reference = make_reference();
+  const TraceTable first = make_table({0, 0, 1, 2, 3, 4, 5}, {9, 0, 0, 1, 1, 0, 0});
+  const TraceTable last = make_table({0, 1, 2, 3, 4, 5, 5}, {0, 0, 1, 1, 0, 0, -9});
+  const auto at_first = find_tube_exit(first, reference, make_tube(0.5, 0.1));
+  ASSERT_TRUE(at_first);
+  EXPECT_EQ(at_first->time_s, 0);
+  EXPECT_EQ(at_first->value, 9);
+  const auto at_last = find_tube_exit(last, reference, make_tube(0.5, 0.1));
+  ASSERT_TRUE(at_last);
+  EXPECT_EQ(at_last->time_s, 5);
+  EXPECT_EQ(at_last->outside, 8.5);
+  // Where the reference jumps so too, they are no fault.
+  EXPECT_FALSE(find_tube_exit(first, first, make_tube(0.5, 0)));
+  EXPECT_FALSE(find_tube_exit(last, last, make_tube(0.5, 0)));
+}
+
+TEST(TraceTube, ATraceOfOneRowIsHeld) {
+  const TraceTable reference = make_table({1}, {2});
+  EXPECT_FALSE(find_tube_exit(make_table({1}, {2.5}), reference, make_tube(0.5, 0)));
+  const auto exit = find_tube_exit(make_table({1}, {2.5 + just}), reference, make_tube(0.5, 0));
+  ASSERT_TRUE(exit);
+  EXPECT_EQ(exit->limit, 2.5);
+}
+
+TEST(TraceTube, ATraceThatStartsElsewhereIsOutside) {
+  const TraceTable reference = make_reference();
+  const TraceTable late = make_table({0.5, 1, 2, 3, 4, 5}, {0, 0, 1, 1, 0, 0});
+  EXPECT_FALSE(find_tube_exit(late, reference, make_tube(0.1, 0.5)));
+  for (const bool swapped : {false, true}) {
+    const auto exit = swapped ? find_tube_exit(reference, late, make_tube(0.1, 0.4))
+                              : find_tube_exit(late, reference, make_tube(0.1, 0.4));
+    ASSERT_TRUE(exit);
+    EXPECT_TRUE(exit->is_start);
+    EXPECT_FALSE(exit->is_end);
+    EXPECT_EQ(exit->value, swapped ? 0 : 0.5);
+  }
+}
+
 TEST(TraceTube, ARelativeHeightIsAShareOfWhatTheReferenceSpans) {
   const TraceTable reference = raised(make_reference(), 100);  // spans 1, is about 100
   EXPECT_FALSE(find_tube_exit(raised(reference, 0.125), reference, make_tube(0, 0, 0.125)));
