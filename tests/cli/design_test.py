@@ -135,6 +135,19 @@ class DesignTest(ProgramTest):
         self.assertIn(binding["name"], ("max_stiffness", "apparent_inertia"))
         self.assertFalse((self.folder / "designed.json").exists())
 
+    def test_two_bounds_that_cannot_be_kept_are_both_named(self):
+        # The bearing alone damps slow motion by more than the one, the wanted effort alone needs effort/K_t,
+        # twice the other; of the wall there is nothing to be said.
+        current = 10e-3 / TORQUE_CONSTANT
+        result = self.design(operation={"speed": 50, "effort": 10e-3},
+                             constraints={"damping_below_5_hz": {"max": 1e-7},
+                                          "amplifier_current": {"max": current / 2}})
+        binding = result["binding_constraint"]
+        told = {each["name"]: each for each in [binding, *binding["others"]]}
+        self.assertEqual(set(told), {"damping_below_5_hz", "amplifier_current"})
+        self.assertFalse(binding["enough_alone"])
+        self.assertGreaterEqual(told["amplifier_current"]["needed"], current * (1 - 1e-6))
+
     def test_a_topology_without_a_design_is_named_with_what_it_misses(self):
         # A resistor of any size in the ranges damps slow motion by K_t^2/(R + R_m) and more than is allowed;
         # the largest, 10 ohm, least.

@@ -109,6 +109,8 @@ DesignFigures DesignProblem::evaluate(std::span<const double> values, LimitPreci
       figures.stable = true;  // not known; its merit is as low
       return figures;
     }
+    if (precision == LimitPrecision::proved)  // a design's parts are bought by them
+      figures.extremes = find_extremes(device, controller);
     for (const Operator& held_by : {Operator(FreeOperator{}), Operator(ClampedOperator{})})
       if (find_unstable_pole(build_device_network(device, held_by))) return {};
     figures.stable = true;
@@ -174,12 +176,14 @@ DesignFigures DesignProblem::evaluate_port(const Device& device,
   for (const PortResponse& response : slow)
     figures.damping_below_5_hz = std::max(figures.damping_below_5_hz, response.impedance.real());
   figures.emphasis_gain = find_emphasis_gain(controller);
-  if (needs_extremes_) {
-    figures.extremes =
-        compute_operating_extremes(device, device.drive.damping.size() - 1, spec_.operation,
-                                   {make_output_law(controller), period_of(spec_)});
-  }
+  if (needs_extremes_) figures.extremes = find_extremes(device, controller);
   return figures;
+}
+
+OperatingExtremes DesignProblem::find_extremes(const Device& device,
+                                               const Controller& controller) const {
+  return compute_operating_extremes(device, device.drive.damping.size() - 1, spec_.operation,
+                                    {make_output_law(controller), period_of(spec_)});
 }
 
 void DesignProblem::add_limits(DesignFigures& figures, const Device& device,

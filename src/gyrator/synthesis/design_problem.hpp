@@ -47,6 +47,7 @@ class DesignProblem {
   }
 
  private:
+  OperatingExtremes find_extremes(const Device& device, const Controller& controller) const;
   bool misses_any(const DesignFigures& figures, const DesignConstraint* free) const;
   double find_highest_stiffness(const Device& device, const Controller& controller) const;
   void add_limits(DesignFigures& figures, const Device& device, const Controller& controller,

@@ -106,7 +106,9 @@ const DesignConstraint* find_worst_missed(const DesignSpec& spec, const DesignFi
   double worst = 0;
   for (const DesignConstraint& constraint : spec.constraints) {
     const double violation = find_violation(constraint, figures);
-    if (violation <= worst) continue;
+    const bool gives_way = missed && missed->figure->is_minimum;
+    if (violation == 0 || (missed && constraint.figure->is_minimum)) continue;
+    if (violation <= worst && !gives_way) continue;
     worst = violation;
     missed = &constraint;
   }

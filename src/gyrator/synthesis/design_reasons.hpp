@@ -14,7 +14,8 @@ int count_parts(const DesignSpec& spec, const DesignOption& option);
 /// then fewer parts, then less apparent inertia.
 void sort_designs(const DesignSpec& spec, std::vector<Design>& designs);
 
-/// What these figures miss most; null where they keep every constraint.
+/// What these figures miss most; null where they keep every constraint. The stiffness only where
+/// nothing else is missed: what misses another bound is not searched for stiffness.
 const DesignConstraint* find_worst_missed(const DesignSpec& spec, const DesignFigures& figures);
 
 /// What keeps a topology out of the answer, by the figures of the best that it can do.

@@ -110,9 +110,16 @@ json describe_json(const DesignSpec& spec, const Design& design) {
 
 json binding_json(const std::optional<BindingConstraint>& binding) {
   if (!binding) return nullptr;
+  json others = json::array();
+  for (const MissedConstraint& other : binding->others)
+    others.push_back({{"name", other.name},
+                      {"limit", other.limit},
+                      {"needed", other.needed},
+                      {"unit", other.unit.symbol}});
   return {{"name", binding->name},        {"limit", binding->limit},
           {"needed", binding->needed},    {"enough_alone", binding->alone},
-          {"unit", binding->unit.symbol}, {"topology", binding->topology}};
+          {"unit", binding->unit.symbol}, {"topology", binding->topology},
+          {"others", std::move(others)}};
 }
 
 const Unit& unit_of(const DesignSpec& spec, const std::string& name) {
@@ -198,15 +205,21 @@ std::string describe_infeasible(const DesignSpec& spec, const json& binding) {
     return spec.model.name +
            ": INFEASIBLE\nNo stiffness is passive at this virtual damping with any of the "
            "topologies.\n";
-  const std::string name = binding["name"];
-  Unit unit = dimension::none;
-  for (const BoundedFigure& figure : list_bounded_figures(spec.model.device.motion))
-    if (name == figure.name) unit = figure.unit;
-  const std::string topology = binding["topology"];
-  return fmt::format("{}: INFEASIBLE\nBinding: {} of {}; it would have to give to {} ({}){}.\n",
-                     spec.model.name, name, format_quantity(binding["limit"], unit),
-                     format_quantity(binding["needed"], unit), topology,
-                     binding["enough_alone"].get<bool>() ? "" : ", and others with it");
+  const auto describe = [&](const json& missed, const std::string& topology) {
+    const std::string name = missed["name"];
+    Unit unit = dimension::none;
+    for (const BoundedFigure& figure : list_bounded_figures(spec.model.device.motion))
+      if (name == figure.name) unit = figure.unit;
+    return fmt::format("{} of {}; it would have to give to {}{}", name,
+                       format_quantity(missed["limit"], unit),
+                       format_quantity(missed["needed"], unit), topology);
+  };
+  std::string text =
+      fmt::format("{}: INFEASIBLE\nBinding: {}", spec.model.name,
+                  describe(binding, fmt::format(" ({})", binding["topology"].get<std::string>())));
+  for (const json& other : binding["others"]) text += ",\nand " + describe(other, "");
+  const bool told = binding["enough_alone"].get<bool>() || !binding["others"].empty();
+  return text + (told ? ".\n" : ", and others with it.\n");
 }
 
 }  // namespace

@@ -182,11 +182,7 @@ class Study {
       design.candidate = candidate;
       design.rated_stiffness = rated_stiffness(candidate);
       const DesignProblem& problem = problem_of(candidate);
-      const Device device = problem.make_device(candidate.values);
-      const Controller controller = problem.make_controller(device, candidate.values);
-      design.extremes = compute_operating_extremes(
-          device, device.drive.damping.size() - 1, spec_.operation,
-          {make_output_law(controller), spec_.model.sampling.period.to_double()});
+      design.extremes = candidate.figures.extremes;
       design.model = make_rated_model(spec_, candidate, design.rated_stiffness);
       design.boundary = trace_boundary(design.model, spec_);
       design.yield = find_yield(problem, design.model, progress);
@@ -250,7 +246,15 @@ class Study {
     Candidate judged = *nearest;
     judged.figures = problem_of(judged).evaluate(judged.values, LimitPrecision::proved);
     const DesignConstraint* missed = find_worst_missed(spec_, judged.figures);
-    return missed ? std::optional(make_binding(*missed, judged, false)) : std::nullopt;
+    if (!missed) return std::nullopt;
+    BindingConstraint binding = make_binding(*missed, judged, false);
+    for (const DesignConstraint& constraint : spec_.constraints) {
+      const bool is_other = &constraint != missed && !constraint.figure->is_minimum;
+      if (is_other && find_violation(constraint, judged.figures) > 0)
+        binding.others.push_back({constraint.figure->name, constraint.figure->unit,
+                                  constraint.limit, constraint.figure->value(judged.figures)});
+    }
+    return binding;
   }
 
   static BindingConstraint make_binding(const DesignConstraint& constraint,

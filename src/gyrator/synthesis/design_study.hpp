@@ -19,7 +19,7 @@ struct Design {
   Candidate candidate;
   double rated_stiffness = 0;  ///< of the wall in its model
   Share yield;
-  OperatingExtremes extremes;  ///< at rest temperature, during the spec's operation
+  OperatingExtremes extremes;  ///< the worst over winding_rise, during the operation
   nlohmann::json model;        ///< the file that reproduces it
   Boundary boundary;           ///< of its device and controller, for pictures
   std::string reason;          ///< why it loses against the first; empty for the first
@@ -37,6 +37,14 @@ struct InfeasibleTopology {
   std::string because;
 };
 
+/// A constraint that a candidate misses.
+struct MissedConstraint {
+  std::string name;
+  Unit unit;
+  double limit = 0;   ///< as asked for
+  double needed = 0;  ///< to which it would have to give
+};
+
 /// Why nothing is feasible.
 struct BindingConstraint {
   std::string name;
@@ -45,6 +53,7 @@ struct BindingConstraint {
   double needed = 0;  ///< to which it would have to give, the others kept
   bool alone = true;  ///< whether giving way in this one is enough
   std::string topology;
+  std::vector<MissedConstraint> others = {};  ///< that would have to give with it, where known
 };
 
 struct DesignStudy {
