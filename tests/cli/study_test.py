@@ -72,10 +72,13 @@ class CheckTest(StudyTest):
         self.assertRegex(answer.out, r"limit +largest K +\[1600, 800\] N/m .* pass\n")
 
     def test_a_difference_of_shape_is_told(self):
+        self.write_study(dict(STUDY, runs=[dict(STUDY["runs"][0], expect=[{"figure": "verdict"}])]))
+        self.study("update", "study.json", "--yes")
         baseline = json.loads(self.read("study.baseline.json"))
-        baseline["runs"]["limit"]["figures"]["largest K"]["value"] = "passive"
+        baseline["runs"]["limit"]["figures"]["verdict"]["value"] = "passive"
         (self.folder / "study.baseline.json").write_text(json.dumps(baseline))
-        self.assertIn("[1600, 800] N/m, baseline passive", self.failed()[("limit", "largest K")])
+        self.assertEqual(self.failed()[("limit", "verdict")],
+                         "verdict of limit: [passive, passive], baseline passive")
 
     def test_two_percent_of_damping_are_found_and_told_with_units(self):
         self.change_model(damping="0.784 N.s/m")
