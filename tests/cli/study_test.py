@@ -205,7 +205,9 @@ class CheckTest(StudyTest):
         rows = self.study("check", "study.json", "--filter", "limit", "--json").json["rows"]
         self.assertEqual({row["run"] for row in rows}, {"limit"})
         answer = self.run_program("study", "check", "study.json", "--filter", "limmit")
-        self.assert_refused(answer, "--filter", "limmit", "limit, hit")
+        self.assert_refused(answer, "--filter", "limmit", f"{self.folder.name}/limit", "did you mean 'limit'?")
+        by_folder = self.study("check", "study.json", "--filter", f"{self.folder.name}/lim", "--json").json["rows"]
+        self.assertEqual([row["run"] for row in by_folder], [row["run"] for row in rows])
 
 
 class UpdateTest(StudyTest):

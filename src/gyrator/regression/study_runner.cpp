@@ -84,12 +84,28 @@ int count_threads(int asked) {
   return limit > 0 ? std::min(threads, limit) : threads;
 }
 
+// "delay" of studies/delay/study.json.
+std::string folder_name_of(const RegressionStudy& study) {
+  return std::filesystem::absolute(study.file).parent_path().filename().string();
+}
+
 void refuse_filter(const std::vector<RegressionStudy>& studies, const std::string& filter) {
+  constexpr std::size_t few = 8;
   std::vector<std::string> names;
-  for (const RegressionStudy& study : studies)
-    for (const RegressionRun& run : study.runs) names.push_back(run.name);
+  std::vector<std::string> runs;
+  for (const RegressionStudy& study : studies) {
+    for (const RegressionRun& run : study.runs) {
+      names.push_back(folder_name_of(study) + "/" + run.name);
+      runs.push_back(run.name);
+    }
+  }
+  std::string hint = suggest_name(filter, runs);
+  if (hint.empty()) hint = suggest_name(filter, names);
+  const std::size_t left = names.size() - std::min(few, names.size());
+  names.resize(names.size() - left);
   throw Error(ErrorCode::bad_input, "--filter",
-              fmt::format("'{}': is in no run's name; there are {}", filter, join(names)));
+              fmt::format("'{}': is in no run's name; there are {}{}{}", filter, join(names),
+                          left > 0 ? fmt::format(" and {} more", left) : "", hint));
 }
 
 class Runner {
@@ -250,6 +266,7 @@ std::string first_error(const PointAnswer& point) {
 
 bool is_wanted(const RegressionStudy& study, const RegressionRun& run, const std::string& filter) {
   return (study.name + "/" + run.name).find(filter) != std::string::npos ||
+         (folder_name_of(study) + "/" + run.name).find(filter) != std::string::npos ||
          (study.file + "/" + run.name).find(filter) != std::string::npos;
 }
 

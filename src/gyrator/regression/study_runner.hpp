@@ -41,13 +41,13 @@ struct StudyAnswers {
 
 struct StudyRunOptions {
   std::string program;  ///< path of gyrator itself; empty: this process
-  std::string filter;   ///< only runs with this text in "STUDY/RUN", study by name or file
+  std::string filter;   ///< only runs with this text in "STUDY/RUN", study by name, folder or file
   int threads = 0;      ///< 0: all cores; GYRATOR_THREADS limits either
   bool keep_csv = false;
   bool quiet = true;  ///< no progress bar
 };
 
-/// Whether a run has the filter's text in "STUDY/RUN", study by name or file.
+/// Whether a run has the filter's text in "STUDY/RUN", study by name, folder or file.
 bool is_wanted(const RegressionStudy& study, const RegressionRun& run, const std::string& filter);
 
 /// Runs the studies' commands as processes of their own, side by side, each on its share of the
